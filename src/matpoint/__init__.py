@@ -1,0 +1,69 @@
+"""matpoint: the Material Point Method, from linear hats to enriched CPDI2.
+
+Every public name is importable from here; what it needs is loaded when it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from matpoint._version import __version__
+
+_PUBLIC: dict[str, tuple[str, ...]] = {
+    "errors": ("InputError", "MatpointError", "RunError"),
+    "grid": ("Grid",),
+    "regions": (
+        "Annulus",
+        "Ball",
+        "Box",
+        "Difference",
+        "HalfSpace",
+        "Intersection",
+        "Polygon",
+        "Region",
+        "Union",
+        "Where",
+    ),
+    "domains": ("Domains", "Kind"),
+    "meshes": ("domains_from_arrays", "extrude", "mesh_annulus", "mesh_box"),
+    "fill": ("fill",),
+    "body": ("Body",),
+    "particles": ("Particles",),
+    "vertices": ("Vertices",),
+    "interpolation": (
+        "CPDI1",
+        "CPDI2",
+        "CPGIMP",
+        "METHODS",
+        "UGIMP",
+        "BSpline",
+        "EnrichedCPDI2",
+        "Interpolation",
+        "Linear",
+    ),
+    "boundary": ("Fixed", "Plane", "PrescribedVelocity", "Roller", "Symmetry"),
+    "loads": ("BodyForce", "Gravity", "LocalDamping", "MassDamping", "NoDamping"),
+    "scheme": ("APIC", "FLIP", "MUSL", "PIC", "SCHEMES", "USF", "USL", "Scheme", "Stage"),
+    "timestep": ("CFL", "FixedStep"),
+    "simulation": ("Simulation",),
+    "ledger": ("Ledger", "LedgerEntry"),
+    "quantities": ("QUANTITIES", "Quantity"),
+    "citations": ("bibtex",),
+}
+_HOME = {name: module for module, names in _PUBLIC.items() for name in names}
+
+__all__ = ["__version__", *_HOME]  # noqa: PLE0604 (names of the table above)
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name where it lives."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'matpoint' has no attribute {name!r}")
+    value = getattr(import_module(f"matpoint.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOME})

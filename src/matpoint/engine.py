@@ -1,0 +1,182 @@
+"""The engine: what the stages of a step do to the arrays.
+
+It holds the run's particles, the bound interpolation, conditions and loads; the scheme decides
+which of its methods run, and in which order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from matpoint.boundary import Constraints
+from matpoint.errors import RunError
+from matpoint.interpolation.box import BoxMapping
+from matpoint.interpolation.contract import Mapping, ParticleError
+from matpoint.kernels.nodes import constrain, solve
+from matpoint.loads import Damping, Loads
+from matpoint.materials import Material, stress_kernel
+from matpoint.particles import Particles
+from matpoint.threads import Team
+
+_INVERTED = (
+    "det F is not positive or the stress is not finite: the material turned inside out; a shorter step,"
+    " smaller loads or a finer grid may help"
+)
+
+
+class Engine:
+    """Arrays and passes of one run."""
+
+    def __init__(
+        self,
+        particles: Particles,
+        mapping: Mapping,
+        materials: Sequence[Material],
+        constraints: Constraints,
+        loads: Loads,
+        damping: Damping,
+        team: Team,
+        flip: float,
+    ) -> None:
+        self.particles, self.mapping, self.materials = particles, mapping, tuple(materials)
+        self.constraints, self.loads, self.damping = constraints, loads, damping
+        self.team, self.flip = team, flip
+        self.time, self.step, self.dt = 0.0, 0, 0.0
+        self.body = np.zeros((1, 3))
+        # Impulse of all external forces (3) [N s], their work [J], impulse of their moments (3).
+        self.external = np.zeros(7)
+        self._laws: list[Callable[..., int]] = [stress_kernel(m) for m in self.materials]
+        self.list_materials()
+
+    # -- bookkeeping -------------------------------------------------------------------------
+
+    def list_materials(self) -> None:
+        """List the particles of each material; needed after any change of order."""
+        self.groups = [np.flatnonzero(self.particles.material == k) for k in range(len(self.materials))]
+
+    def fail(self, particle: int, cause: str) -> RunError:
+        """Return the error for a particle at an internal index."""
+        p = self.particles
+        where = p.position[particle]
+        if not np.isfinite(where).all() or not np.isfinite(p.velocity[particle]).all():
+            cause = "its position or velocity is not a finite number: the run is unstable (dt too long?)"
+        return RunError(
+            cause, step=self.step, time=self.time, particle=int(p.id[particle]), position=where.tolist()
+        )
+
+    # -- stages ------------------------------------------------------------------------------
+
+    def locate(self) -> None:
+        """Find every particle's cell, and evaluate the loads where the particles are."""
+        try:
+            self.mapping.before()
+        except ParticleError as fault:
+            raise self.fail(fault.particle, fault.cause) from None
+        self.body = self.loads.evaluate(self.particles, self.time)
+
+    def clear(self) -> None:
+        """Empty the node records."""
+        self.mapping.nodes.clear()
+
+    def gather(self) -> None:
+        """Mass, momentum and forces to the nodes."""
+        self.mapping.to_nodes(self.body, kinematic=True, dynamic=True)
+
+    def gather_momentum(self) -> None:
+        """Mass and momentum to the nodes."""
+        self.mapping.to_nodes(self.body, kinematic=True, dynamic=False)
+
+    def gather_affine(self) -> None:
+        """APIC's affine momentum to the nodes."""
+        self._box().affine_to_nodes()
+
+    def solve(self) -> None:
+        """Velocities at the end of the step, and increments."""
+        self._solve(self.dt)
+
+    def divide(self) -> None:
+        """Velocities from momenta."""
+        self._solve(0.0)
+
+    def hold(self) -> None:
+        """Conditions on the motion over the step; reactions are added to the ledger."""
+        before = self.constraints.velocities(self.time)
+        after = self.constraints.velocities(self.time + self.dt)
+        self._constrain(before, after, self.external)
+
+    def hold_start(self) -> None:
+        """Conditions on the velocities at the start."""
+        given = self.constraints.velocities(self.time)
+        self._constrain(given, given, np.zeros(7))
+
+    def hold_end(self) -> None:
+        """Conditions on the velocities at the end."""
+        given = self.constraints.velocities(self.time + self.dt)
+        self._constrain(given, given, np.zeros(7))
+
+    def scatter(self) -> None:
+        """Velocity, position and velocity gradient to the particles."""
+        self.mapping.to_particles(self.dt, self.flip, move=True, differentiate=True)
+
+    def move(self) -> None:
+        """Velocity and position to the particles."""
+        self.mapping.to_particles(self.dt, self.flip, move=True, differentiate=False)
+
+    def differentiate(self) -> None:
+        """Velocity gradient to the particles."""
+        self.mapping.to_particles(self.dt, self.flip, move=False, differentiate=True)
+
+    def scatter_affine(self) -> None:
+        """APIC's affine velocity to the particles."""
+        self._box().nodes_to_affine()
+
+    def update_stress(self) -> None:
+        """Deform every particle and evaluate its law, one material after the other."""
+        p = self.particles
+        for material, law, index in zip(self.materials, self._laws, self.groups, strict=True):
+            parameters = material.parameters()
+            found = self.team.split(
+                len(index),
+                lambda a, b, law=law, parameters=parameters, index=index: law(
+                    parameters, index, a, b, p.deformation_gradient, p.velocity_gradient,
+                    p.volume0, p.volume, p.state, p.stress, self.dt,
+                ),
+            )  # fmt: skip
+            bad = [q for q in found if q >= 0]
+            if bad:
+                raise self.fail(min(bad), _INVERTED)
+
+    def advance(self) -> None:
+        """Take the next positions, bring the domains along, and book the loads' work."""
+        p = self.particles
+        before = p.position
+        try:
+            self.mapping.advance()
+        except ParticleError as fault:
+            raise self.fail(fault.particle, fault.cause) from None
+        if self.body.any():
+            force = p.mass[:, None] * self.body
+            self.external[:3] += self.dt * force.sum(axis=0)
+            self.external[3] += float((force * (p.position - before)).sum())
+            self.external[4:] += self.dt * np.cross(before, force).sum(axis=0)
+
+    # -- helpers -----------------------------------------------------------------------------
+
+    def _box(self) -> BoxMapping:
+        assert isinstance(self.mapping, BoxMapping)  # refused for others when the run was set up
+        return self.mapping
+
+    def _solve(self, dt: float) -> None:
+        nodes, damping = self.mapping.nodes.records, self.damping
+        self.team.split(len(nodes), lambda a, b: solve(nodes, a, b, dt, damping.rate, damping.factor))
+
+    def _constrain(self, before: np.ndarray, after: np.ndarray, external: np.ndarray) -> Any:
+        c = self.constraints
+        if len(c.index):
+            points = self.mapping.constraint_points(c.index, c.points)
+            constrain(
+                self.mapping.nodes.records, c.index, points, c.normal, before, after, self.flip, external
+            )

@@ -1,0 +1,57 @@
+"""What matpoint raises when a user or a run goes wrong.
+
+Two kinds only: :class:`InputError` before anything has been computed or written, and
+:class:`RunError` when a run cannot go on. The command line turns them into exit codes 2 and 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+class MatpointError(Exception):
+    """Base of every error that matpoint raises on purpose."""
+
+    exit_code = 1
+
+
+class InputError(MatpointError):
+    """The input can't be used: the message says what, where, and what is allowed."""
+
+    exit_code = 2
+
+
+class RunError(MatpointError):
+    """A run failed after it had begun.
+
+    Parameters
+    ----------
+    cause
+        What went wrong and its likely reason, one sentence or two.
+    step, time
+        The step at which it failed and the time [s] at its start.
+    particle
+        The id of the first particle concerned, or None.
+    position
+        Its position [m], three components, or None.
+    """
+
+    exit_code = 3
+
+    def __init__(
+        self,
+        cause: str,
+        *,
+        step: int,
+        time: float,
+        particle: int | None = None,
+        position: Sequence[float] | None = None,
+    ) -> None:
+        self.cause, self.step, self.time = cause, step, time
+        self.particle, self.position = particle, position
+        where = f"step {step}, t = {time:.6g} s"
+        if particle is not None:
+            where += f", particle {particle}"
+        if position is not None:
+            where += " at (" + ", ".join(f"{x:.6g}" for x in position) + ") m"
+        super().__init__(f"{where}: {cause}")

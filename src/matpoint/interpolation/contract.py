@@ -1,0 +1,147 @@
+"""What an interpolation declares, and what it becomes once bound to a grid and particles.
+
+An :class:`Interpolation` is a choice: a small frozen dataclass. ``bind`` turns it into a
+:class:`Mapping`, which owns the nodes and carries out the transfers of a step.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from matpoint.grid import Grid
+from matpoint.nodes import Nodes
+from matpoint.particles import Particles
+from matpoint.threads import Team
+from matpoint.vertices import Vertices
+
+
+class ParticleError(Exception):
+    """A particle that can't go on; the simulation adds step, time, id and position."""
+
+    def __init__(self, particle: int, cause: str) -> None:
+        super().__init__(cause)
+        self.particle, self.cause = particle, cause
+
+
+@dataclass
+class Setting:
+    """All that an interpolation may need to bind.
+
+    Attributes
+    ----------
+    domains_half : ndarray, shape (n, 3)
+        Half-lengths [m] of the box that stands for each particle's initial domain.
+    domains_edges : ndarray, shape (n, 3, 3)
+        Half edge vectors [m] of its initial parallelepiped, as rows.
+    vertices, connectivity, kind
+        The shared corners of all domains: (nv, 3) [m], (n, K) padded with -1, (n,).
+    """
+
+    grid: Grid
+    particles: Particles
+    team: Team
+    domains_half: np.ndarray
+    domains_edges: np.ndarray
+    vertices: np.ndarray
+    connectivity: np.ndarray
+    kind: np.ndarray
+
+
+class Mapping(ABC):
+    """An interpolation bound to a grid and particles: transfers both ways.
+
+    ``before`` is called once a step with the particles where they are; transfers may follow in any
+    order; ``advance`` moves particles and domains to where ``to_particles(move=True)`` sent them.
+    """
+
+    nodes: Nodes
+    vertices: Vertices | None = None
+
+    @abstractmethod
+    def before(self) -> None:
+        """Find where everything is; raise ParticleError for what has left the grid."""
+
+    @abstractmethod
+    def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
+        """Add mass and momentum (``kinematic``) and forces (``dynamic``) to the cleared nodes.
+
+        ``body`` is the body force per mass [m/s^2], shape (n, 3) or (1, 3).
+        """
+
+    @abstractmethod
+    def to_particles(self, dt: float, flip: float, *, move: bool, differentiate: bool) -> None:
+        """Bring velocity and next position (``move``), or the velocity gradient, to the particles."""
+
+    @abstractmethod
+    def advance(self) -> None:
+        """Take the next positions and bring the domains to the end of the step."""
+
+    @abstractmethod
+    def permute(self, order: np.ndarray) -> None:
+        """Follow a new order of the particles."""
+
+    @abstractmethod
+    def state(self) -> dict[str, np.ndarray]:
+        """Return the arrays, beside the particles', that a restart needs."""
+
+    @abstractmethod
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take up what ``state`` gave; the particles have been restored already."""
+
+    def points(self) -> np.ndarray:
+        """Return the current positions [m] of all degrees of freedom, shape (records, 3)."""
+        return self.nodes.positions()
+
+    def constraint_points(self, index: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Return the current positions [m] of some degrees of freedom, given their first ones."""
+        return points
+
+    def spacing(self) -> float:
+        """Return the smallest spacing [m] of degrees of freedom that are not grid nodes, or inf."""
+        return float("inf")
+
+
+@dataclass(frozen=True)
+class Interpolation(ABC):
+    """Base of all interpolations.
+
+    Class attributes
+    ----------------
+    dimensions
+        The dimensions that it serves.
+    uses_vertices
+        True for the vertex family.
+    walls_only
+        True if the field at a plane inside the grid is not one layer of nodes (B-splines):
+        conditions on planes must then lie on the grid's faces.
+    citation
+        Keys of ``matpoint.citations``.
+    """
+
+    dimensions: ClassVar[tuple[int, ...]] = (1, 2, 3)
+    uses_vertices: ClassVar[bool] = False
+    walls_only: ClassVar[bool] = False
+    citation: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The method's name in case files, tables and figures."""
+
+    @abstractmethod
+    def bind(self, setting: Setting) -> Mapping:
+        """Return the mapping for one simulation."""
+
+
+Call = Callable[[int, int], int]
+
+
+def first_fault(team: Team, count: int, call: Call) -> int:
+    """Run a checking kernel in pieces; return the lowest index that it found, or -1."""
+    found = [p for p in team.split(count, call) if p >= 0]
+    return min(found) if found else -1

@@ -1,0 +1,102 @@
+"""The vertex family's transfers: particle -> unique vertices -> grid, and back (S, section 4)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from matpoint.interpolation.box import Slabs, wide_bounds
+from matpoint.interpolation.contract import Mapping, ParticleError, Setting, first_fault
+from matpoint.kernels import vertex as kernels
+from matpoint.kernels.locate import find_outside
+from matpoint.nodes import Nodes, hat_axis
+from matpoint.vertices import Vertices
+
+_PAD = 2  # cells beyond the box, where corners of domains may reach
+
+
+class VertexMapping(Mapping):
+    """Two-level transfers; a subclass says how vertices come about and how domains advance."""
+
+    vertices: Vertices
+
+    def __init__(self, setting: Setting, vertices: Vertices) -> None:
+        grid = setting.grid
+        self.particles, self.team, self.vertices = setting.particles, setting.team, vertices
+        self.nodes = Nodes([hat_axis(grid, k, _PAD, _PAD) for k in range(grid.dim)], len(vertices.enriched))
+        self.position_next = self.particles.position.copy()
+        self.bounds = wide_bounds(grid)
+        self._corner_bounds = self.bounds[0].copy(), self.bounds[1].copy()
+        for k in range(grid.dim):
+            self._corner_bounds[0][k] -= _PAD * grid.cell[k]
+            self._corner_bounds[1][k] += _PAD * grid.cell[k]
+        self._slabs = Slabs(self.nodes, vertices.ordinary)
+        self.update_domains()
+
+    def update_domains(self) -> None:
+        """Bring corner positions, corner weights and centroids in line; raise ParticleError."""
+        raise TypeError("a subclass defines how its domains come about")
+
+    def before(self) -> None:
+        x, corners = self.particles.position, self.vertices.position
+        lost = first_fault(self.team, len(x), lambda a, b: find_outside(x, a, b, *self.bounds))
+        if lost >= 0:
+            raise ParticleError(
+                lost,
+                "it left the grid; make the grid's box larger, or look for an instability (dt, loads, units)",
+            )
+        lost = first_fault(
+            self.team, len(corners), lambda a, b: find_outside(corners, a, b, *self._corner_bounds)
+        )
+        if lost >= 0:
+            owner = int(self.vertices.slots[self.vertices.pointer[lost]]) // self.vertices.weights.shape[1]
+            raise ParticleError(owner, f"a corner of its domain is more than {_PAD} cells out of the grid")
+        self._slabs.renew(corners)
+
+    def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
+        p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs
+        self.team.split(
+            len(v),
+            lambda a, b: kernels.particles_to_vertices(
+                a, b, v.pointer, v.slots, v.weights, p.velocity, p.mass, p.volume, p.stress, body,
+                float(kinematic), float(dynamic), v.flat,
+            ),
+        )  # fmt: skip
+        self.team.coloured(
+            s.pointer,
+            lambda slabs, a, b: kernels.vertices_to_nodes(
+                *n.rows, n.shape[1], n.shape[2], n.flat, slabs, a, b, s.pointer, s.order, v.position, v.flat
+            ),
+        )
+        # An enriched vertex is a node: zeta = 1 for its own degree of freedom (S 26, corrected).
+        n.records[n.on_grid :] += v.records[v.enriched]
+
+    def to_particles(self, dt: float, flip: float, *, move: bool, differentiate: bool) -> None:
+        p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs
+        self.team.split(
+            len(s.order),
+            lambda a, b: kernels.nodes_to_vertices(
+                *n.rows, n.shape[1], n.shape[2], n.flat, a, b, s.order, v.position, v.flat
+            ),
+        )
+        v.records[v.enriched] = n.records[n.on_grid :]
+        self.team.split(
+            len(p),
+            lambda a, b: kernels.vertices_to_particles(
+                a, b, v.connectivity, v.count, v.weights, v.flat, p.velocity, p.position,
+                self.position_next, p.velocity_gradient, dt, flip, move, differentiate,
+            ),
+        )  # fmt: skip
+        if move:
+            self.move_vertices(dt)
+
+    def move_vertices(self, dt: float) -> None:
+        """Take note of where the vertices go, if the grid's velocity carries them."""
+
+    def advance(self) -> None:
+        p = self.particles
+        p.position, self.position_next = self.position_next, p.position
+        self.update_domains()
+
+    def permute(self, order: np.ndarray) -> None:
+        self.vertices.permute_particles(order)
+        self.update_domains()

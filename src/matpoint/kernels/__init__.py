@@ -1,0 +1,1 @@
+"""Compiled loops over plain arrays and scalars; they know nothing of matpoint's objects."""

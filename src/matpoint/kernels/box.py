@@ -1,0 +1,145 @@
+"""Transfers of the box family: a particle touches a block of nodes, weighed by three rows.
+
+Index letters: p particle; i, j, k rows along the three axes; n node. ``nodes`` is the flat view
+of the records: momentum (3), mass, force (3), spare before the solve; velocity, mass, velocity
+increment, spare after it. Nodes are numbered with the last axis fastest.
+"""
+
+from __future__ import annotations
+
+from matpoint.jit import kernel
+from matpoint.kernels.rows import row
+from matpoint.kernels.vector import fma, lane, load, pack, scale, store, zero
+
+
+@kernel
+def particles_to_nodes(
+    ax, ay, az, ny, nz, nodes, slabs, start, stop, pointer, order,
+    x, half, v, mass, volume, stress, body, kinematic, dynamic,
+):  # fmt: skip
+    """Add mass and momentum (S 1, 2) and internal plus body force (S 9, 7) of slabs[start:stop].
+
+    ``kinematic`` and ``dynamic`` (0 or 1) switch the two halves; ``body`` is (n, 3) or (1, 3).
+    """
+    for q in range(start, stop):
+        for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
+            p = order[r]
+            h = p if half.shape[0] > 1 else 0
+            g = p if body.shape[0] > 1 else 0
+            bx, wx, dx = row(ax, x[p, 0], half[h, 0])
+            by, wy, dy = row(ay, x[p, 1], half[h, 1])
+            bz, wz, dz = row(az, x[p, 2], half[h, 2])
+            m, f, s = kinematic * mass[p], dynamic * mass[p], -dynamic * volume[p]
+            xx, yy, zz = s * stress[p, 0], s * stress[p, 1], s * stress[p, 2]
+            xy, yz, xz = s * stress[p, 3], s * stress[p, 4], s * stress[p, 5]
+            content = pack(
+                m * v[p, 0], m * v[p, 1], m * v[p, 2], m,
+                f * body[g, 0], f * body[g, 1], f * body[g, 2], 0.0,
+            )  # fmt: skip
+            pull_x = pack(0.0, 0.0, 0.0, 0.0, xx, xy, xz, 0.0)
+            pull_y = pack(0.0, 0.0, 0.0, 0.0, xy, yy, yz, 0.0)
+            pull_z = pack(0.0, 0.0, 0.0, 0.0, xz, yz, zz, 0.0)
+            for i in range(len(wx)):
+                for j in range(len(wy)):
+                    ww, dw, wd = wx[i] * wy[j], dx[i] * wy[j], wx[i] * dy[j]
+                    line = fma(wd, pull_y, fma(dw, pull_x, scale(ww, content)))
+                    slope = scale(ww, pull_z)
+                    n = (((bx + i) * ny + by + j) * nz + bz) * 8
+                    for k in range(len(wz)):
+                        store(nodes, n, fma(dz[k], slope, fma(wz[k], line, load(nodes, n))))
+                        n += 8
+
+
+@kernel
+def nodes_to_particles(
+    ax, ay, az, ny, nz, nodes, start, stop,
+    x, half, v, x_next, gradient, dt, flip, move, differentiate,
+):  # fmt: skip
+    """Velocity and position (S 13, 14) if ``move``, velocity gradient (S 15) if ``differentiate``.
+
+    ``flip`` is FLIP's share of the velocity, the rest is PIC.
+    """
+    for p in range(start, stop):
+        h = p if half.shape[0] > 1 else 0
+        bx, wx, dx = row(ax, x[p, 0], half[h, 0])
+        by, wy, dy = row(ay, x[p, 1], half[h, 1])
+        bz, wz, dz = row(az, x[p, 2], half[h, 2])
+        value, along_x, along_y, along_z = zero(), zero(), zero(), zero()
+        for i in range(len(wx)):
+            for j in range(len(wy)):
+                n = (((bx + i) * ny + by + j) * nz + bz) * 8
+                line, slope = zero(), zero()
+                for k in range(len(wz)):
+                    node = load(nodes, n)
+                    line = fma(wz[k], node, line)
+                    slope = fma(dz[k], node, slope)
+                    n += 8
+                ww = wx[i] * wy[j]
+                value = fma(ww, line, value)
+                along_x = fma(dx[i] * wy[j], line, along_x)
+                along_y = fma(wx[i] * dy[j], line, along_y)
+                along_z = fma(ww, slope, along_z)
+        for a in range(3):
+            if move:
+                v[p, a] = flip * (v[p, a] + lane(value, a + 4)) + (1.0 - flip) * lane(value, a)
+                x_next[p, a] = x[p, a] + dt * lane(value, a)
+            if differentiate:
+                gradient[p, a, 0] = lane(along_x, a)
+                gradient[p, a, 1] = lane(along_y, a)
+                gradient[p, a, 2] = lane(along_z, a)
+
+
+@kernel
+def affine_to_nodes(
+    ax, ay, az, ny, nz, nodes, slabs, start, stop, pointer, order, x, half, mass, affine, cx, cy, cz
+):
+    """Add the affine momentum m C (x_i - x_p) of APIC (Jiang et al. 2015, eq. 8)."""
+    for q in range(start, stop):
+        for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
+            p = order[r]
+            h = p if half.shape[0] > 1 else 0
+            bx, wx, _ = row(ax, x[p, 0], half[h, 0])
+            by, wy, _ = row(ay, x[p, 1], half[h, 1])
+            bz, wz, _ = row(az, x[p, 2], half[h, 2])
+            for i in range(len(wx)):
+                for j in range(len(wy)):
+                    for k in range(len(wz)):
+                        n = (((bx + i) * ny + by + j) * nz + bz + k) * 8
+                        w = wx[i] * wy[j] * wz[k] * mass[p]
+                        rx, ry, rz = cx[bx + i] - x[p, 0], cy[by + j] - x[p, 1], cz[bz + k] - x[p, 2]
+                        for a in range(3):
+                            nodes[n + a] += w * (
+                                affine[p, a, 0] * rx + affine[p, a, 1] * ry + affine[p, a, 2] * rz
+                            )
+
+
+@kernel
+def nodes_to_affine(ax, ay, az, ny, nz, nodes, start, stop, x, half, affine, moment, cx, cy, cz):
+    """C = B D^-1 with the moment B = sum w v (x_i - x_p)^T (Jiang et al. 2015, eq. 10).
+
+    D = sum w (x_i - x_p)(x_i - x_p)^T is diagonal, since the weights are a tensor product whose
+    rows reproduce x_p; where a component of D vanishes (a missing axis, a hat at a node) so does B.
+    """
+    for p in range(start, stop):
+        h = p if half.shape[0] > 1 else 0
+        bx, wx, _ = row(ax, x[p, 0], half[h, 0])
+        by, wy, _ = row(ay, x[p, 1], half[h, 1])
+        bz, wz, _ = row(az, x[p, 2], half[h, 2])
+        qx, qy, qz = 0.0, 0.0, 0.0
+        moment_x, moment_y, moment_z = zero(), zero(), zero()
+        for i in range(len(wx)):
+            for j in range(len(wy)):
+                for k in range(len(wz)):
+                    w = wx[i] * wy[j] * wz[k]
+                    rx, ry, rz = cx[bx + i] - x[p, 0], cy[by + j] - x[p, 1], cz[bz + k] - x[p, 2]
+                    node = load(nodes, (((bx + i) * ny + by + j) * nz + bz + k) * 8)
+                    moment_x, qx = fma(w * rx, node, moment_x), qx + w * rx * rx
+                    moment_y, qy = fma(w * ry, node, moment_y), qy + w * ry * ry
+                    moment_z, qz = fma(w * rz, node, moment_z), qz + w * rz * rz
+        for a in range(3):
+            moment[p, a, 0] = lane(moment_x, a)
+            moment[p, a, 1] = lane(moment_y, a)
+            moment[p, a, 2] = lane(moment_z, a)
+            affine[p, a, 0] = moment[p, a, 0] / qx if qx > 0.0 else 0.0
+            affine[p, a, 1] = moment[p, a, 1] / qy if qy > 0.0 else 0.0
+            affine[p, a, 2] = moment[p, a, 2] / qz if qz > 0.0 else 0.0

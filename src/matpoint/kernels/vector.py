@@ -1,0 +1,137 @@
+"""Eight float64 lanes as one value: the node record in a register.
+
+A node's momentum (3), mass, force (3) and a spare lane fill one 64-byte line. With an opaque
+Numba type over an LLVM vector, adding a particle's contribution to a node is one load, one
+fused multiply-add and one store of that line; LLVM lowers it to AVX-512, AVX2 or NEON.
+
+Only this module knows LLVM. Everything else calls the functions below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import extending, types
+from numba.extending import models, register_model
+
+LANES = 8
+# Numba supplies the typing context itself; to a type checker the functions take what follows it.
+intrinsic: Callable[..., Any] = extending.intrinsic
+
+FLAGS = ("contract", "reassoc", "nsz", "arcp")  # as in matpoint.jit: NaN and inf are kept
+
+
+class Lanes(types.Type):
+    """Numba's view of eight float64 lanes."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lanes8")
+
+
+lanes = Lanes()
+_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+_MASK = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, fe_type: Any) -> None:
+        super().__init__(manager, fe_type, _VECTOR)
+
+
+def _splat(builder: Any, scalar: Any) -> Any:
+    first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), scalar, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), _MASK)
+
+
+def _address(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+    data = context.make_array(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+
+
+@intrinsic
+def load(typingctx: Any, array: Any, index: Any) -> Any:
+    """Read lanes ``array[index : index + 8]`` of a flat float64 array."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        value = builder.load(_address(context, builder, signature.args[0], args[0], args[1]))
+        value.align = 8
+        return value
+
+    return lanes(array, types.intp), generate
+
+
+@intrinsic
+def store(typingctx: Any, array: Any, index: Any, value: Any) -> Any:
+    """Write lanes to ``array[index : index + 8]`` of a flat float64 array."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        done = builder.store(args[2], _address(context, builder, signature.args[0], args[0], args[1]))
+        done.align = 8
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp, lanes), generate
+
+
+@intrinsic
+def pack(typingctx: Any, a0: Any, a1: Any, a2: Any, a3: Any, a4: Any, a5: Any, a6: Any, a7: Any) -> Any:
+    """Eight scalars as lanes."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        value = ir.Constant(_VECTOR, ir.Undefined)
+        for k, scalar in enumerate(args):
+            value = builder.insert_element(value, scalar, ir.Constant(ir.IntType(32), k))
+        return value
+
+    return lanes(*[types.float64] * LANES), generate
+
+
+@intrinsic
+def scale(typingctx: Any, scalar: Any, value: Any) -> Any:
+    """``scalar * value`` in every lane."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.fmul(_splat(builder, args[0]), args[1], flags=FLAGS)
+
+    return lanes(types.float64, lanes), generate
+
+
+@intrinsic
+def fma(typingctx: Any, scalar: Any, value: Any, total: Any) -> Any:
+    """``total + scalar * value`` in every lane."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        product = builder.fmul(_splat(builder, args[0]), args[1], flags=FLAGS)
+        return builder.fadd(args[2], product, flags=FLAGS)
+
+    return lanes(types.float64, lanes, lanes), generate
+
+
+@intrinsic
+def lane(typingctx: Any, value: Any, index: Any) -> Any:
+    """Lane ``index`` as a scalar."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.extract_element(args[0], builder.trunc(args[1], ir.IntType(32)))
+
+    return types.float64(lanes, types.intp), generate
+
+
+@intrinsic
+def zero(typingctx: Any) -> Any:
+    """Eight zeros."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return ir.Constant(_VECTOR, [0.0] * LANES)
+
+    return lanes(), generate
+
+
+def records(count: int) -> np.ndarray:
+    """Return ``count`` zeroed records, shape (count, 8), each on a 64-byte line of its own."""
+    raw = np.zeros(count * LANES + LANES - 1)
+    shift = (-(raw.ctypes.data // 8)) % LANES
+    return raw[shift : shift + count * LANES].reshape(count, LANES)

@@ -1,0 +1,118 @@
+"""The ledger: mass, momentum and energy against what came in from outside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matpoint.engine import Engine
+
+
+@dataclass(frozen=True)
+class LedgerEntry:
+    """The balance at one time.
+
+    Attributes
+    ----------
+    step, time
+        Step number and time [s].
+    mass
+        [kg]
+    momentum, angular_momentum
+        Linear [kg m/s] and about the origin [kg m^2/s], shape (3,).
+    impulse, angular_impulse
+        Impulse of loads and conditions [N s] and of their moments [N m s] since the start.
+    kinetic, strain
+        Kinetic and stored energy [J]; ``strain`` is NaN if a material has no energy function.
+    external_work
+        Work of loads and conditions since the start [J].
+    """
+
+    step: int
+    time: float
+    mass: float
+    momentum: np.ndarray
+    angular_momentum: np.ndarray
+    impulse: np.ndarray
+    angular_impulse: np.ndarray
+    kinetic: float
+    strain: float
+    external_work: float
+
+    @property
+    def total(self) -> float:
+        """Kinetic plus stored energy less external work [J]: constant for an exact run."""
+        return self.kinetic + self.strain - self.external_work
+
+
+def take_entry(engine: Engine) -> LedgerEntry:
+    """Return the balance of an engine's particles now."""
+    p = engine.particles
+    speed2 = np.einsum("pa,pa->p", p.velocity, p.velocity)
+    spin = np.cross(p.position, p.velocity)
+    moment = getattr(p, "affine_moment", None)
+    strain = 0.0
+    for material, index in zip(engine.materials, engine.groups, strict=True):
+        density = material.energy(p.deformation_gradient[index], p.state[index])
+        strain += float("nan") if density is None else float(p.volume0[index] @ density)
+    angular = p.mass @ spin
+    if moment is not None:
+        # APIC carries angular momentum in B = sum w v (x_i - x_p)^T as well.
+        b = np.einsum("p,pab->ab", p.mass, moment)
+        angular = angular + np.array([b[2, 1] - b[1, 2], b[0, 2] - b[2, 0], b[1, 0] - b[0, 1]])
+    return LedgerEntry(
+        step=engine.step,
+        time=engine.time,
+        mass=float(p.mass.sum()),
+        momentum=p.mass @ p.velocity,
+        angular_momentum=angular,
+        impulse=engine.external[:3].copy(),
+        angular_impulse=engine.external[4:].copy(),
+        kinetic=0.5 * float(p.mass @ speed2),
+        strain=strain,
+        external_work=float(engine.external[3]),
+    )
+
+
+@dataclass
+class Ledger:
+    """The first and the latest balance, and the worst drifts between.
+
+    Attributes
+    ----------
+    start, latest
+        Entries.
+    worst
+        The largest drifts so far: ``mass`` [kg]; ``momentum`` [kg m/s] and ``angular_momentum``
+        [kg m^2/s], the norm of the change less the external impulse; ``energy`` [J], the change of
+        ``total``. Damping takes momentum and energy on purpose; the drift then shows how much.
+    """
+
+    start: LedgerEntry
+    latest: LedgerEntry
+    worst: dict[str, float] = field(
+        default_factory=lambda: dict.fromkeys(("mass", "momentum", "angular_momentum", "energy"), 0.0)
+    )
+
+    def book(self, entry: LedgerEntry) -> None:
+        """Take a new balance."""
+        self.latest = entry
+        for name, value in self.drift().items():
+            # A NaN energy (no energy function) must not hide behind a comparison.
+            if not value <= self.worst[name]:
+                self.worst[name] = value
+
+    def drift(self) -> dict[str, float]:
+        """Return the drifts of the latest balance, by the names of ``worst``."""
+        a, b = self.start, self.latest
+        momentum = (b.momentum - b.impulse) - (a.momentum - a.impulse)
+        angular = (b.angular_momentum - b.angular_impulse) - (a.angular_momentum - a.angular_impulse)
+        return {
+            "mass": abs(b.mass - a.mass),
+            "momentum": float(np.linalg.norm(momentum)),
+            "angular_momentum": float(np.linalg.norm(angular)),
+            "energy": abs(b.total - a.total),
+        }

@@ -1,0 +1,95 @@
+"""Particles: the state of the material, a structure of arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_REQUIRED: dict[str, tuple[int, ...]] = {
+    "position": (3,),
+    "position0": (3,),
+    "velocity": (3,),
+    "mass": (),
+    "volume": (),
+    "volume0": (),
+    "deformation_gradient": (3, 3),
+    "velocity_gradient": (3, 3),
+    "stress": (6,),
+}
+
+
+class Particles:
+    """Arrays over the particles, in an internal order that sorting by cell may change.
+
+    ``id`` numbers the particles in the order in which the bodies were given; it never changes.
+    Use :meth:`ordered` to read a field by id.
+
+    Attributes
+    ----------
+    id : ndarray of int64, shape (n,)
+    material, body : ndarray of int32, shape (n,)
+        Index of the material and of the body.
+    position, position0, velocity : ndarray, shape (n, 3)
+        Current and initial position [m], velocity [m/s].
+    mass, volume, volume0 : ndarray, shape (n,)
+        Mass [kg], current and initial volume [m^3] (unit thickness on missing axes).
+    deformation_gradient, velocity_gradient : ndarray, shape (n, 3, 3)
+        F [-] and L_ab = dv_a/dx_b [1/s].
+    stress : ndarray, shape (n, 6)
+        Cauchy stress [Pa], order xx, yy, zz, xy, yz, xz.
+    state : ndarray, shape (n, s)
+        State variables of the materials; s is the largest number that any of them has.
+    affine, affine_moment : ndarray, shape (n, 3, 3)
+        APIC's C [1/s] and B [m^2/s], in runs with APIC only.
+    """
+
+    id: np.ndarray
+    material: np.ndarray
+    body: np.ndarray
+    position: np.ndarray
+    position0: np.ndarray
+    velocity: np.ndarray
+    mass: np.ndarray
+    volume: np.ndarray
+    volume0: np.ndarray
+    deformation_gradient: np.ndarray
+    velocity_gradient: np.ndarray
+    stress: np.ndarray
+    state: np.ndarray
+    affine: np.ndarray
+    affine_moment: np.ndarray
+
+    def __init__(self, count: int, state_variables: int = 0) -> None:
+        self._names: list[str] = ["id", "material", "body", "state", *_REQUIRED]
+        self.id = np.arange(count)
+        self.material = np.zeros(count, dtype=np.int32)
+        self.body = np.zeros(count, dtype=np.int32)
+        self.state = np.zeros((count, state_variables))
+        for name, shape in _REQUIRED.items():
+            setattr(self, name, np.zeros((count, *shape)))
+        self.deformation_gradient[:] = np.eye(3)
+
+    def __len__(self) -> int:
+        return len(self.id)
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of all arrays, those that the interpolation asked for included."""
+        return tuple(self._names)
+
+    def add(self, name: str, values: np.ndarray) -> None:
+        """Carry one more array over the particles, sorted with the others."""
+        setattr(self, name, values)
+        if name not in self._names:
+            self._names.append(name)
+
+    def ordered(self, name: str) -> np.ndarray:
+        """Return a copy of a field in order of id."""
+        values = getattr(self, name)
+        result = np.empty_like(values)
+        result[self.id] = values
+        return result
+
+    def permute(self, order: np.ndarray) -> None:
+        """Put all arrays in a new order: entry k becomes what entry order[k] was."""
+        for name in self._names:
+            setattr(self, name, np.ascontiguousarray(getattr(self, name)[order]))

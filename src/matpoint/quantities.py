@@ -1,0 +1,76 @@
+"""Named numbers of a run that any writer can log."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from matpoint.ledger import take_entry
+
+if TYPE_CHECKING:
+    from matpoint.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A named number.
+
+    Attributes
+    ----------
+    function
+        Takes the simulation, returns a float.
+    unit, description
+        For headers and lists.
+    """
+
+    function: Callable[[Simulation], float]
+    unit: str
+    description: str
+
+
+def _vector(name: str, unit: str, description: str, letter: str = "") -> dict[str, Quantity]:
+    def component(k: int) -> Callable[[Simulation], float]:
+        return lambda sim: float(getattr(take_entry(sim.engine), name)[k])
+
+    return {
+        f"{letter or name}_{axis}": Quantity(component(k), unit, f"{description}, component {axis}")
+        for k, axis in enumerate("xyz")
+    }
+
+
+def _centre(k: int) -> Callable[[Simulation], float]:
+    return lambda sim: float(sim.particles.mass @ sim.particles.position[:, k] / sim.particles.mass.sum())
+
+
+def _smallest_volume_ratio(sim: Simulation) -> float:
+    return float((sim.particles.volume / sim.particles.volume0).min())
+
+
+def _largest_speed(sim: Simulation) -> float:
+    return float(np.sqrt((sim.particles.velocity**2).sum(axis=1).max()))
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "mass": Quantity(lambda sim: take_entry(sim.engine).mass, "kg", "total mass"),
+    **_vector("momentum", "kg m/s", "linear momentum"),
+    **_vector("angular_momentum", "kg m^2/s", "angular momentum about the origin"),
+    **_vector("impulse", "N s", "impulse of loads and conditions since the start"),
+    "kinetic_energy": Quantity(lambda sim: take_entry(sim.engine).kinetic, "J", "kinetic energy"),
+    "strain_energy": Quantity(lambda sim: take_entry(sim.engine).strain, "J", "stored energy"),
+    "external_work": Quantity(
+        lambda sim: take_entry(sim.engine).external_work, "J", "work of loads and conditions since the start"
+    ),
+    "total_energy": Quantity(
+        lambda sim: take_entry(sim.engine).total, "J", "kinetic plus stored energy less external work"
+    ),
+    **{
+        f"centre_{axis}": Quantity(_centre(k), "m", f"centre of mass, component {axis}")
+        for k, axis in enumerate("xyz")
+    },
+    "smallest_volume_ratio": Quantity(_smallest_volume_ratio, "-", "smallest V / V0 of all particles"),
+    "largest_speed": Quantity(_largest_speed, "m/s", "largest particle speed"),
+    "dt": Quantity(lambda sim: sim.dt, "s", "length of the last step"),
+}

@@ -1,0 +1,235 @@
+"""Schemes: the order of a step's stages, and how velocities come back to the particles.
+
+A scheme is a printed tuple of named stages. A stage says which equation it computes, what it
+reads and what it writes; ``matpoint explain`` prints exactly what a step will do.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+from matpoint.engine import Engine
+from matpoint.errors import InputError
+
+
+@dataclass(frozen=True)
+class FLIP:
+    """Particles take the increment of the nodes' velocity (S 13).
+
+    Parameters
+    ----------
+    blend
+        Share of FLIP; the rest is PIC, which takes the velocity itself and damps.
+    """
+
+    blend: float = 1.0
+    name: ClassVar[str] = "flip"
+    citation: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.blend, int | float) and math.isfinite(self.blend) and 0 <= self.blend <= 1):
+            raise InputError(f"FLIP: blend = {self.blend!r} must be from 0 (PIC) to 1")
+
+    @property
+    def share(self) -> float:
+        """FLIP's share of the velocity update."""
+        return float(self.blend)
+
+
+@dataclass(frozen=True)
+class PIC:
+    """Particles take the nodes' velocity."""
+
+    name: ClassVar[str] = "pic"
+    share: ClassVar[float] = 0.0
+    citation: ClassVar[tuple[str, ...]] = ()
+
+
+@dataclass(frozen=True)
+class APIC:
+    """PIC with an affine velocity on each particle (Jiang et al. 2015); box family only."""
+
+    name: ClassVar[str] = "apic"
+    share: ClassVar[float] = 0.0
+    citation: ClassVar[tuple[str, ...]] = ("jiang2015",)
+
+
+Transfer = FLIP | PIC | APIC
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One pass over the data.
+
+    Attributes
+    ----------
+    name, equation
+        What it does, in words and as a formula with its source.
+    reads, writes
+        The arrays.
+    run
+        Carries it out.
+    """
+
+    name: str
+    equation: str
+    reads: tuple[str, ...]
+    writes: tuple[str, ...]
+    run: Callable[[Engine], None]
+
+
+LOCATE = Stage("locate", "cell and slab of x_p or x_a", ("position",), ("order",), Engine.locate)
+CLEAR = Stage("clear", "m_i = 0, p_i = 0, f_i = 0", (), ("nodes",), Engine.clear)
+GATHER = Stage(
+    "particles to nodes",
+    "m_i = sum phi m_p, p_i = sum phi m_p v_p, f_i = sum phi m_p b_p - grad phi . sigma_p V_p  (S 1, 2, 7, 9)",
+    ("position", "velocity", "mass", "volume", "stress"),
+    ("nodes",),
+    Engine.gather,
+)
+GATHER_MOMENTUM = Stage(
+    "momentum to nodes",
+    "m_i = sum phi m_p, p_i = sum phi m_p v_p  (S 1, 2)",
+    ("position", "velocity", "mass"),
+    ("nodes",),
+    Engine.gather_momentum,
+)
+AFFINE_OUT = Stage(
+    "affine momentum to nodes",
+    "p_i += sum phi m_p C_p (x_i - x_p)  (Jiang et al. 2015)",
+    ("position", "affine", "mass"),
+    ("nodes",),
+    Engine.gather_affine,
+)
+SOLVE = Stage(
+    "solve",
+    "v_i = p_i / m_i, a_i = f_i / m_i, v_i+ = v_i + a_i dt  (S 5, 11, 12)",
+    ("nodes",),
+    ("nodes",),
+    Engine.solve,
+)
+VELOCITY = Stage("velocity", "v_i = p_i / m_i  (S 2)", ("nodes",), ("nodes",), Engine.divide)
+HOLD = Stage(
+    "conditions", "v_i . n = given at both ends of the step", ("nodes",), ("nodes", "reaction"), Engine.hold
+)
+HOLD_START = Stage(
+    "conditions at the start", "v_i . n = given at t", ("nodes",), ("nodes",), Engine.hold_start
+)
+HOLD_END = Stage(
+    "conditions at the end", "v_i . n = given at t + dt", ("nodes",), ("nodes",), Engine.hold_end
+)
+SCATTER = Stage(
+    "nodes to particles",
+    "v_p += sum phi a_i dt, x_p+ = x_p + sum phi v_i+ dt, L_p = sum v_i+ grad phi  (S 13-15)",
+    ("nodes", "position"),
+    ("velocity", "position (next)", "velocity_gradient"),
+    Engine.scatter,
+)
+MOVE = Stage(
+    "velocity and position to particles",
+    "v_p += sum phi a_i dt, x_p+ = x_p + sum phi v_i+ dt  (S 13, 14)",
+    ("nodes", "position"),
+    ("velocity", "position (next)"),
+    Engine.move,
+)
+AFFINE_BACK = Stage(
+    "affine velocity to particles",
+    "C_p = (sum phi v_i+ (x_i - x_p)) D_p^-1  (Jiang et al. 2015)",
+    ("nodes", "position"),
+    ("affine",),
+    Engine.scatter_affine,
+)
+DIFFERENTIATE = Stage(
+    "velocity gradient to particles",
+    "L_p = sum v_i grad phi  (S 15)",
+    ("nodes", "position"),
+    ("velocity_gradient",),
+    Engine.differentiate,
+)
+STRESS = Stage(
+    "stress",
+    "F = (I + L dt) F, V = det F V0, sigma = law(F, L, dt, state)",
+    ("deformation_gradient", "velocity_gradient", "state"),
+    ("deformation_gradient", "volume", "stress", "state"),
+    Engine.update_stress,
+)
+ADVANCE = Stage(
+    "advance",
+    "x_p = x_p+, and the domains with it  (S 16, 20)",
+    ("position (next)", "deformation_gradient"),
+    ("position", "domains"),
+    Engine.advance,
+)
+
+
+@dataclass(frozen=True)
+class Scheme(ABC):
+    """Base of the schemes.
+
+    Parameters
+    ----------
+    transfer
+        How velocities come back: FLIP(blend), PIC() or APIC().
+    """
+
+    transfer: Transfer = FLIP()
+    name: ClassVar[str]
+    citation: ClassVar[tuple[str, ...]] = ("bardenhagen2002",)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.transfer, FLIP | PIC | APIC):
+            raise InputError(
+                f"scheme: transfer = {self.transfer!r}; FLIP(blend), PIC() and APIC() are allowed"
+            )
+
+    @property
+    @abstractmethod
+    def stages(self) -> tuple[Stage, ...]:
+        """The stages of one step, in order."""
+
+    def _with_affine(self, *stages: Stage) -> tuple[Stage, ...]:
+        """APIC adds its stage after each gathering and after the velocities have come back."""
+        if not isinstance(self.transfer, APIC):
+            return stages
+        after = {GATHER: AFFINE_OUT, GATHER_MOMENTUM: AFFINE_OUT, SCATTER: AFFINE_BACK, MOVE: AFFINE_BACK}
+        return tuple(s for stage in stages for s in (stage, after.get(stage)) if s is not None)
+
+
+class USL(Scheme):
+    """Update stress last (S, section 2)."""
+
+    name: ClassVar[str] = "usl"
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        return self._with_affine(LOCATE, CLEAR, GATHER, SOLVE, HOLD, SCATTER, STRESS, ADVANCE)
+
+
+class USF(Scheme):
+    """Update stress first, with the velocities at the start of the step."""
+
+    name: ClassVar[str] = "usf"
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        first = (LOCATE, CLEAR, GATHER_MOMENTUM, VELOCITY, HOLD_START, DIFFERENTIATE, STRESS)
+        return self._with_affine(*first, CLEAR, GATHER, SOLVE, HOLD, MOVE, ADVANCE)
+
+
+class MUSL(Scheme):
+    """Update stress last, with updated particle velocities mapped to the nodes once more."""
+
+    name: ClassVar[str] = "musl"
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        second = (CLEAR, GATHER_MOMENTUM, VELOCITY, HOLD_END, DIFFERENTIATE, STRESS, ADVANCE)
+        return self._with_affine(LOCATE, CLEAR, GATHER, SOLVE, HOLD, MOVE, *second)
+
+
+#: Scheme name -> class.
+SCHEMES: dict[str, type[Scheme]] = {s.name: s for s in (USL, USF, MUSL)}

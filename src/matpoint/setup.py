@@ -1,0 +1,108 @@
+"""From bodies to particles: filling, checking, merging, sorting."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from matpoint.assembly import merge, overlap
+from matpoint.body import Body
+from matpoint.domains import Domains
+from matpoint.errors import InputError
+from matpoint.grid import Grid
+from matpoint.interpolation.contract import Setting
+from matpoint.materials import Material
+from matpoint.particles import Particles
+from matpoint.threads import Team
+
+
+def cell_order(grid: Grid, position: np.ndarray) -> np.ndarray:
+    """Return the stable order of points (n, 3) [m] by cell, the last axis fastest."""
+    key = np.zeros(len(position), dtype=np.int64)
+    for k in range(grid.dim):
+        cell = np.floor((position[:, k] - grid.lower[k]) / grid.cell[k]).astype(np.int64)
+        key = key * (grid.cells[k] + 2) + np.clip(cell, -1, grid.cells[k]) + 1
+    return np.argsort(key, kind="stable")
+
+
+def distinct_materials(bodies: Sequence[Body]) -> tuple[list[Material], list[int]]:
+    """Return the distinct materials in order of first use, and each body's index among them."""
+    materials: list[Material] = []
+    index = []
+    for body in bodies:
+        if body.material not in materials:
+            materials.append(body.material)
+        index.append(materials.index(body.material))
+    return materials, index
+
+
+def _check_inside(grid: Grid, body: Body, domains: Domains) -> None:
+    for k in range(grid.dim):
+        low, high = float(domains.vertices[:, k].min()), float(domains.vertices[:, k].max())
+        hair = 1e-6 * grid.cell[k]
+        if low < grid.lower[k] - hair or high > grid.upper[k] + hair:
+            raise InputError(
+                f"{body.label} reaches from {low:g} to {high:g} along {'xyz'[k]}, outside the grid"
+                f" ({grid.lower[k]:g} to {grid.upper[k]:g})"
+            )
+
+
+def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Setting, list[Material]]:
+    """Return particles in order of cell, their domains, and the list of materials.
+
+    Raises
+    ------
+    InputError
+        If there are no bodies, a body reaches out of the grid, or two lie in one place.
+    """
+    if not bodies:
+        raise InputError("simulation: no bodies, so no particles; give at least one")
+    parts = [body.domains(grid) for body in bodies]
+    for body, domains in zip(bodies, parts, strict=True):
+        _check_inside(grid, body, domains)
+    names = [body.name or f"number {k}" for k, body in enumerate(bodies)]
+    overlap(list(zip(names, parts, strict=True)))
+    materials, chosen = distinct_materials(bodies)
+    vertices, cells, kind, owner = merge(parts)
+    particles = Particles(len(kind), max(len(m.state_variables) for m in materials))
+    particles.body[:] = owner
+    particles.material[:] = np.array(chosen, dtype=np.int32)[owner]
+    particles.position[:] = np.concatenate([d.centroids() for d in parts])
+    particles.volume0[:] = np.concatenate([d.volumes() for d in parts])
+    for k, body in enumerate(bodies):
+        mine = particles.body == k
+        particles.velocity[mine] = body.initial_velocity(particles.position[mine])
+        particles.mass[mine] = body.material.density * particles.volume0[mine]
+        initial = list(body.material.state_variables.values())
+        particles.state[np.flatnonzero(mine)[:, None], np.arange(len(initial))] = initial
+    particles.velocity[:, grid.dim :] = 0.0
+    particles.position0[:] = particles.position
+    particles.volume[:] = particles.volume0
+    setting = Setting(
+        grid=grid,
+        particles=particles,
+        team=team,
+        domains_half=np.concatenate([d.half_lengths() for d in parts]),
+        domains_edges=np.concatenate([d.edge_vectors() for d in parts]),
+        vertices=vertices,
+        connectivity=cells,
+        kind=kind,
+    )
+    return _sorted(setting), materials
+
+
+def _sorted(setting: Setting) -> Setting:
+    """Put particles and vertices in order of cell, so that neighbours in space are so in memory."""
+    order = cell_order(setting.grid, setting.particles.position)
+    setting.particles.permute(order)
+    setting.domains_half = np.ascontiguousarray(setting.domains_half[order])
+    setting.domains_edges = np.ascontiguousarray(setting.domains_edges[order])
+    setting.kind = setting.kind[order]
+    by_cell = cell_order(setting.grid, setting.vertices)
+    rank = np.empty(len(by_cell) + 1, dtype=np.int64)
+    rank[by_cell] = np.arange(len(by_cell))
+    rank[-1] = -1  # the padding of short cells, index -1
+    setting.vertices = np.ascontiguousarray(setting.vertices[by_cell])
+    setting.connectivity = rank[setting.connectivity[order]]
+    return setting

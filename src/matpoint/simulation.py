@@ -1,0 +1,313 @@
+"""The simulation: everything chosen, bound together, and run."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import warnings
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from matpoint.body import Body
+from matpoint.boundary import Condition, Constraints
+from matpoint.engine import Engine
+from matpoint.errors import InputError
+from matpoint.grid import Grid
+from matpoint.interpolation.contract import Interpolation, ParticleError
+from matpoint.ledger import Ledger, take_entry
+from matpoint.loads import Damping, Load, Loads, NoDamping
+from matpoint.materials import Material
+from matpoint.particles import Particles
+from matpoint.quantities import QUANTITIES
+from matpoint.run import Observer, run_steps
+from matpoint.scheme import APIC, USL, Scheme
+from matpoint.setup import cell_order, make_setting
+from matpoint.threads import Team
+from matpoint.timestep import FixedStep, TimeStep, stable_step
+
+if TYPE_CHECKING:
+    from matpoint.output.contract import Writer
+    from matpoint.vertices import Vertices
+
+
+class Simulation:
+    """A run of one case by one method.
+
+    Parameters
+    ----------
+    grid
+        The background grid; it gives the dimension.
+    bodies
+        At least one.
+    interpolation
+        For instance ``CPDI2()``.
+    timestep
+        ``FixedStep(dt)`` or ``CFL(fraction)``.
+    scheme
+        ``USL``, ``USF`` or ``MUSL`` with a transfer.
+    boundaries, loads, damping
+        Conditions on the nodes, gravity and body forces, damping.
+    threads
+        How many; None takes all processors. The result does not depend on it, to the last bit.
+    sort_every
+        Steps between two sorts of the particles by cell.
+    sample_every
+        Steps between two entries of the ledger.
+
+    Raises
+    ------
+    InputError
+        If anything can't work, before a step is made.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        bodies: Sequence[Body],
+        *,
+        interpolation: Interpolation,
+        timestep: TimeStep,
+        scheme: Scheme | None = None,
+        boundaries: Sequence[Condition] = (),
+        loads: Sequence[Load] = (),
+        damping: Damping | None = None,
+        threads: int | None = None,
+        sort_every: int = 100,
+        sample_every: int = 10,
+    ) -> None:
+        self.grid, self.bodies, self.interpolation = grid, tuple(bodies), interpolation
+        self.scheme = USL() if scheme is None else scheme
+        self.timestep = timestep
+        for name, value in (("sort_every", sort_every), ("sample_every", sample_every)):
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise InputError(f"simulation: {name} = {value!r} must be a whole number >= 1")
+        self.sort_every, self.sample_every = sort_every, sample_every
+        self._refuse_combinations()
+        self.notes: list[str] = []
+        team = Team(threads)
+        setting, materials = make_setting(grid, self.bodies, team)
+        try:
+            mapping = interpolation.bind(setting)
+        except ParticleError as fault:
+            raise InputError(
+                f"{interpolation.name}: particle {int(setting.particles.id[fault.particle])}: {fault.cause}"
+            ) from None
+        constraints = Constraints(boundaries, grid, mapping.points(), interpolation.walls_only)
+        if isinstance(self.scheme.transfer, APIC):
+            for name in ("affine", "affine_moment"):
+                setting.particles.add(name, np.zeros((len(setting.particles), 3, 3)))
+        self.engine = Engine(
+            setting.particles,
+            mapping,
+            materials,
+            constraints,
+            Loads(loads, grid.dim),
+            NoDamping() if damping is None else damping,
+            team,
+            self.scheme.transfer.share,
+        )
+        self._loads = tuple(loads)
+        self.engine.dt = self._first_step()
+        entry = take_entry(self.engine)
+        self.ledger = Ledger(entry, entry)
+
+    # -- what it is --------------------------------------------------------------------------
+
+    @property
+    def dim(self) -> int:
+        """The dimension: 1, 2 or 3."""
+        return self.grid.dim
+
+    @property
+    def particles(self) -> Particles:
+        """The particles; read them, don't write to them."""
+        return self.engine.particles
+
+    @property
+    def vertices(self) -> Vertices | None:
+        """The vertices of the particle domains, or None for the box family."""
+        return self.engine.mapping.vertices
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials; ``particles.material`` indexes them."""
+        return self.engine.materials
+
+    @property
+    def time(self) -> float:
+        """The time reached [s]."""
+        return self.engine.time
+
+    @property
+    def step(self) -> int:
+        """The number of steps made."""
+        return self.engine.step
+
+    @property
+    def dt(self) -> float:
+        """The length of the last step, or of the first before it is made [s]."""
+        return self.engine.dt
+
+    @property
+    def threads(self) -> int:
+        """The number of threads."""
+        return self.engine.team.threads
+
+    @property
+    def citation(self) -> tuple[str, ...]:
+        """Keys of ``matpoint.citations`` for exactly the methods in use."""
+        parts = [self.interpolation.citation, self.scheme.citation, self.scheme.transfer.citation]
+        parts += [m.citation for m in self.materials]
+        return tuple(dict.fromkeys(key for part in parts for key in part))
+
+    def by_material(self) -> Iterator[tuple[np.ndarray, Material]]:
+        """Yield the internal indices of the particles of each material, and the material."""
+        yield from zip(self.engine.groups, self.materials, strict=True)
+
+    def vertex_spacing(self) -> float:
+        """Return the smallest spacing [m] of enriched vertices, or inf."""
+        return self.engine.mapping.spacing()
+
+    def quantity(self, name: str) -> float:
+        """Return a named number (see ``matpoint.quantities``).
+
+        Raises
+        ------
+        InputError
+            If there is none of that name.
+        """
+        if name not in QUANTITIES:
+            raise InputError(f"quantity {name!r} does not exist; there are {', '.join(QUANTITIES)}")
+        return QUANTITIES[name].function(self)
+
+    def explain(self) -> str:
+        """Return the stages of a step as a table: stage, equation, arrays read and written."""
+        lines = []
+        for number, stage in enumerate(self.scheme.stages, 1):
+            lines.append(f"{number:2d}. {stage.name}: {stage.equation}")
+            lines.append(f"      reads {', '.join(stage.reads) or '-'}; writes {', '.join(stage.writes)}")
+        return "\n".join(lines)
+
+    # -- running -----------------------------------------------------------------------------
+
+    def run(self, until: float, writers: Sequence[Writer] = (), progress: Observer | None = None) -> None:
+        """Step to a time.
+
+        Parameters
+        ----------
+        until
+            End time [s], after the present one.
+        writers
+            Asked at every step whether they are due.
+        progress
+            Told of every step.
+
+        Raises
+        ------
+        InputError
+            If the end lies before the start, or a writer can't write.
+        RunError
+            If a particle leaves the grid, turns over or is no longer a number.
+        KeyboardInterrupt
+            After Ctrl-C, once the step is finished and the files are closed.
+        """
+        if not math.isfinite(until) or until <= self.time:
+            raise InputError(f"run: end time {until!r} s must lie after the start, {self.time:g} s")
+        run_steps(self, until, tuple(writers), progress)
+
+    def advance(self, dt: float) -> None:
+        """Make one step of length ``dt`` [s]."""
+        engine = self.engine
+        engine.dt = dt
+        if engine.step % self.sort_every == 0 and engine.step > 0:
+            self.sort()
+        for stage in self.scheme.stages:
+            stage.run(engine)
+        engine.step += 1
+        engine.time += dt
+        if engine.step % self.sample_every == 0:
+            self.ledger.book(take_entry(engine))
+
+    def sort(self) -> None:
+        """Put the particles in order of cell; ids keep their meaning."""
+        order = cell_order(self.grid, self.particles.position)
+        if np.array_equal(order, np.arange(len(order))):
+            return
+        self.particles.permute(order)
+        self.engine.mapping.permute(order)
+        self.engine.list_materials()
+
+    def _refuse_combinations(self) -> None:
+        name = self.interpolation.name
+        if self.dim not in self.interpolation.dimensions:
+            allowed = ", ".join(f"{d}-D" for d in self.interpolation.dimensions)
+            raise InputError(f"{name} serves {allowed}; the grid is {self.dim}-D")
+        if isinstance(self.scheme.transfer, APIC) and self.interpolation.uses_vertices:
+            raise InputError(
+                f"{name} with APIC: an affine velocity needs a point with a block of nodes;"
+                " use FLIP or PIC, or a box-family interpolation (mpm, ugimp, cpgimp, bspline2, bspline3)"
+            )
+
+    def _first_step(self) -> float:
+        limit = stable_step(self)
+        if isinstance(self.timestep, FixedStep):
+            dt = self.timestep.dt
+            if dt > limit:
+                text = f"time step: dt = {dt:.4g} s is over the stability limit of {limit:.4g} s"
+                if not self.timestep.allow_unstable:
+                    raise InputError(text + "; shorten it, or set allow_unstable = true to try")
+                self.notes.append(text)
+                warnings.warn(text, stacklevel=3)
+            return dt
+        dt = min(self.timestep.fraction * limit, self.timestep.largest)
+        if not math.isfinite(dt):
+            raise InputError("time step: CFL finds no limit (nothing has a wave speed or moves); give dt")
+        return dt
+
+    # -- restart -----------------------------------------------------------------------------
+
+    def fingerprint(self) -> str:
+        """Return a hash of what must agree between a checkpoint and the run that takes it up."""
+        parts = [
+            repr(self.grid), repr(self.interpolation), repr(self.scheme), repr(self.materials),
+            str(len(self.particles)), str(0 if self.vertices is None else len(self.vertices)),
+        ]  # fmt: skip
+        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+    def state_arrays(self) -> dict[str, np.ndarray]:
+        """Return all arrays that a restart needs."""
+        arrays = {f"particles.{name}": getattr(self.particles, name) for name in self.particles.fields}
+        arrays |= {f"mapping.{name}": a for name, a in self.engine.mapping.state().items()}
+        return arrays | {"external": self.engine.external}
+
+    def state_scalars(self) -> dict[str, float]:
+        """Return all numbers that a restart needs."""
+        return {"time": self.time, "step": self.step, "dt": self.dt}
+
+    def restore(self, arrays: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
+        """Take up a state that ``state_arrays`` and ``state_scalars`` gave.
+
+        Raises
+        ------
+        InputError
+            If an array is missing or has another shape.
+        """
+        for name, present in self.state_arrays().items():
+            if name not in arrays or arrays[name].shape != present.shape:
+                raise InputError(f"restart: array {name} is missing or does not fit this case")
+        for name in self.particles.fields:
+            setattr(self.particles, name, np.array(arrays[f"particles.{name}"]))
+        engine = self.engine
+        engine.external[:] = arrays["external"]
+        prefix = "mapping."
+        engine.mapping.restore({k[len(prefix) :]: v for k, v in arrays.items() if k.startswith(prefix)})
+        engine.list_materials()
+        engine.time, engine.step, engine.dt = (
+            float(scalars["time"]),
+            int(scalars["step"]),
+            float(scalars["dt"]),
+        )
+        entry = take_entry(engine)
+        self.ledger = Ledger(entry, entry)

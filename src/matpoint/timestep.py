@@ -1,0 +1,86 @@
+"""The length of a step, and its limit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from matpoint.errors import InputError
+
+if TYPE_CHECKING:
+    from matpoint.simulation import Simulation
+
+VERTEX_SHARE = 0.7  # methods, section 4: with USL, dt <= 0.7 l/c at enriched vertices
+
+
+@dataclass(frozen=True)
+class FixedStep:
+    """One step length for the whole run.
+
+    Parameters
+    ----------
+    dt
+        [s]
+    allow_unstable
+        Turns the refusal of a step over the limit into a warning.
+    """
+
+    dt: float
+    allow_unstable: bool = False
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.dt) or self.dt <= 0:
+            raise InputError(f"time step: dt = {self.dt!r} must be a positive number")
+
+
+@dataclass(frozen=True)
+class CFL:
+    """Steps that follow the limit.
+
+    Parameters
+    ----------
+    fraction
+        Share of the limit, 0 < fraction <= 1.
+    every
+        Steps between two looks at the limit.
+    largest
+        Upper bound of the step [s].
+    """
+
+    fraction: float = 0.4
+    every: int = 1
+    largest: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not 0 < self.fraction <= 1:
+            raise InputError(f"time step: CFL fraction = {self.fraction!r} must be in (0, 1]")
+        if isinstance(self.every, bool) or not isinstance(self.every, int) or self.every < 1:
+            raise InputError(f"time step: every = {self.every!r} must be a whole number >= 1")
+        if not self.largest > 0:
+            raise InputError(f"time step: largest = {self.largest!r} must be a positive number")
+
+
+TimeStep = FixedStep | CFL
+
+
+def stable_step(simulation: Simulation) -> float:
+    """Return the largest stable step [s] where everything is now.
+
+    A signal may cross no more than one cell, min_p h / (c_p + |v_p|), with c the wave speed in the
+    deformed state; nor 0.7 of the spacing of enriched vertices, which move with the material, at c.
+    """
+    p = simulation.particles
+    speed = np.zeros(len(p))
+    for index, material in simulation.by_material():
+        speed[index] = material.wave_speed(p.deformation_gradient[index])
+    rate = speed + np.sqrt((p.velocity**2).sum(axis=1))
+    fastest = float(rate.max())
+    limit = simulation.grid.finest / fastest if fastest > 0 else math.inf
+    spacing = simulation.vertex_spacing()
+    stiffest = float(speed.max())
+    if math.isfinite(spacing) and stiffest > 0:
+        limit = min(limit, VERTEX_SHARE * spacing / stiffest)
+    return limit

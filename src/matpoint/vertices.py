@@ -1,0 +1,73 @@
+"""Vertices: the corners of particle domains, each one stored once and shared."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from matpoint.kernels.corners import CORNERS
+from matpoint.kernels.vector import records
+
+
+class Vertices:
+    """Corners of all domains and the lists that join them to particles.
+
+    Attributes
+    ----------
+    position, position0 : ndarray, shape (nv, 3)
+        Current and initial position [m].
+    connectivity : ndarray of int32, shape (n, K)
+        Vertices of each particle in VTK's order, padded with -1; rows follow the particles' order.
+    kind : ndarray of int8, shape (n,)
+        ``matpoint.domains.Kind`` of each particle's domain.
+    weights : ndarray, shape (n, K, 4)
+        R [-] and G (3) [1/m] of each corner.
+    records : ndarray, shape (nv, 8)
+        What a node record holds, for each vertex.
+    enriched : ndarray of int64
+        The vertices that are degrees of freedom of their own; ``ordinary`` are the others.
+    """
+
+    def __init__(self, position: np.ndarray, connectivity: np.ndarray, kind: np.ndarray) -> None:
+        self.position0 = np.ascontiguousarray(position, dtype=float)
+        self.position = self.position0.copy()
+        self.position_next = self.position0.copy()
+        self.connectivity = np.ascontiguousarray(connectivity, dtype=np.int32)
+        self.kind = np.ascontiguousarray(kind, dtype=np.int8)
+        self.weights = np.zeros((*self.connectivity.shape, 4))
+        self.records = records(len(position))
+        self.flat = self.records.reshape(-1)
+        self.enriched = np.zeros(0, dtype=np.int64)
+        self.ordinary = np.arange(len(position))
+        self.link()
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    def enrich(self, vertices: np.ndarray) -> None:
+        """Make these vertices degrees of freedom of their own."""
+        self.enriched = np.asarray(vertices, dtype=np.int64)
+        self.ordinary = np.setdiff1d(np.arange(len(self)), self.enriched)
+
+    @property
+    def is_enriched(self) -> np.ndarray:
+        """Flag of each vertex, shape (nv,)."""
+        flags = np.zeros(len(self), dtype=bool)
+        flags[self.enriched] = True
+        return flags
+
+    def link(self) -> None:
+        """List the (particle, corner) slots of each vertex; needed after any change of order."""
+        width = self.connectivity.shape[1]
+        self.count = CORNERS[self.kind]
+        used = np.arange(width) < self.count[:, None]
+        slots = np.flatnonzero(used.ravel())
+        order = np.argsort(self.connectivity.ravel()[slots], kind="stable")
+        self.slots = slots[order]
+        owners = self.connectivity.ravel()[self.slots]
+        self.pointer = np.searchsorted(owners, np.arange(len(self.position) + 1))
+
+    def permute_particles(self, order: np.ndarray) -> None:
+        """Follow a new order of the particles."""
+        self.connectivity = np.ascontiguousarray(self.connectivity[order])
+        self.kind = np.ascontiguousarray(self.kind[order])
+        self.link()

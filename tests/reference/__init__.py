@@ -1,0 +1,1 @@
+"""Plain NumPy and SciPy formulations, independent of the kernels that they check."""
