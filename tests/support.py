@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from matpoint.domains import Domains, Kind
-from matpoint.meshes import mesh_box
 
+from matpoint.domains import Domains, Kind
 from matpoint.grid import Grid
 from matpoint.interpolation.contract import Interpolation, Mapping, Setting
+from matpoint.meshes import mesh_box
 from matpoint.particles import Particles
 from matpoint.threads import Team
 

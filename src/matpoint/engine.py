@@ -136,12 +136,11 @@ class Engine:
     def update_stress(self) -> None:
         """Deform every particle and evaluate its law, one material after the other."""
         p = self.particles
-        for material, law, index in zip(self.materials, self._laws, self.groups, strict=True):
-            parameters = material.parameters()
+        for law, index in zip(self._laws, self.groups, strict=True):
             found = self.team.split(
                 len(index),
-                lambda a, b, law=law, parameters=parameters, index=index: law(
-                    parameters, index, a, b, p.deformation_gradient, p.velocity_gradient,
+                lambda a, b, law=law, index=index: law(
+                    index, a, b, p.deformation_gradient, p.velocity_gradient,
                     p.volume0, p.volume, p.state, p.stress, self.dt,
                 ),
             )  # fmt: skip

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from material_cases import CASES
-from matpoint import InputError
 from matpoint.citations import CITATIONS, bibtex
+from matpoint.errors import InputError
 from matpoint.materials import (
     MATERIALS,
     Hencky,

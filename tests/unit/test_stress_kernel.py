@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from material_cases import CASES, USER, stress_and_state
-from matpoint import InputError, NeoHookean, UserMaterial
+from matpoint.errors import InputError
 from matpoint.kernels.stress import stress_kernel
+from matpoint.materials import NeoHookean, UserMaterial
 from matpoint.tensor import identity, scale
 
 
@@ -106,14 +107,18 @@ def test_a_users_law_may_call_jitted_functions_and_be_one():
     np.testing.assert_allclose(a["stress"][:, :3], 11.0)
 
 
+def _forgotten(x):
+    return x
+
+
 def test_a_law_that_numba_cannot_compile_is_refused_in_a_few_words():
     def law(F, F_new, L, dt, state, params):
-        return scale(
-            float(str(params.k)[0:3].replace(",", ".").__hash__() * 0 + len({"a": [1]}.items())), identity()
-        )
+        return scale(_forgotten(params.k), identity())
 
     material = UserMaterial(law, {"k": 3.0}, 1.0, modulus=1.0)
-    with pytest.raises(InputError, match=r"stress law 'law' can't be compiled by Numba: \w") as caught:
+    with pytest.raises(
+        InputError, match=r"stress law 'law' can't be compiled by Numba: .*_forgotten"
+    ) as caught:
         stress_kernel(material)
     assert len(str(caught.value).splitlines()) <= 2
     assert len(str(caught.value)) < 500

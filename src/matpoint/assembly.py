@@ -1,0 +1,123 @@
+"""Joining the domains of several bodies: shared corners, and refusal of bodies in one place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from matpoint.domains import Domains, Kind
+from matpoint.errors import InputError
+
+_TOLERANCE = 1e-6  # of the smallest domain's size
+
+
+def _size(domains: Domains) -> float:
+    return float(np.abs(domains.volumes()).min()) ** (1.0 / domains.dim)
+
+
+def merge(parts: Sequence[Domains]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return one mesh of all bodies; vertices of different bodies in one place become one.
+
+    Returns
+    -------
+    vertices : ndarray, shape (nv, 3) [m]
+    cells : ndarray of int32, shape (n, K), padded with -1
+    kind : ndarray of int8, shape (n,)
+    body : ndarray of int32, shape (n,)
+    """
+    offsets = np.cumsum([0, *(len(d.vertices) for d in parts)])
+    vertices = np.concatenate([d.vertices for d in parts])
+    width = max(d.kind.corners for d in parts)
+    cells = np.full((sum(d.n for d in parts), width), -1, dtype=np.int64)
+    kind, body, row = [], [], 0
+    for number, domains in enumerate(parts):
+        cells[row : row + domains.n, : domains.kind.corners] = domains.cells + offsets[number]
+        kind.append(np.full(domains.n, int(domains.kind), dtype=np.int8))
+        body.append(np.full(domains.n, number, dtype=np.int32))
+        row += domains.n
+    if len(parts) > 1:
+        first = _first_of_each(vertices, parts, offsets)
+        kept, compact = np.unique(first, return_inverse=True)
+        lookup = np.append(compact, -1)
+        vertices, cells = vertices[kept], lookup[cells]
+    return vertices, cells.astype(np.int32), np.concatenate(kind), np.concatenate(body)
+
+
+def _first_of_each(vertices: np.ndarray, parts: Sequence[Domains], offsets: np.ndarray) -> np.ndarray:
+    """The first vertex of the place of each vertex; only different bodies are joined."""
+    from scipy.sparse import coo_array  # noqa: PLC0415 (slow to import)
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+    from scipy.spatial import cKDTree  # noqa: PLC0415
+
+    tolerance = _TOLERANCE * min(_size(d) for d in parts)
+    trees = [cKDTree(d.vertices) for d in parts]
+    rows, columns = [], []
+    for a, b in combinations(range(len(parts)), 2):
+        pairs = trees[a].sparse_distance_matrix(trees[b], tolerance, output_type="coo_matrix")
+        rows.append(pairs.row + offsets[a])
+        columns.append(pairs.col + offsets[b])
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    graph = coo_array((np.ones(len(row)), (row, column)), shape=(len(vertices),) * 2)
+    label = connected_components(graph, directed=False)[1]
+    first = np.full(label.max() + 1, len(vertices))
+    np.minimum.at(first, label, np.arange(len(vertices)))
+    return first[label]
+
+
+def overlap(named: Sequence[tuple[str, Domains]]) -> None:
+    """Refuse two bodies in one place.
+
+    Raises
+    ------
+    InputError
+        If a centroid of one lies in a domain of another.
+    """
+    for (name_a, a), (name_b, b) in combinations(named, 2):
+        for (n1, one), (n2, two) in (((name_a, a), (name_b, b)), ((name_b, b), (name_a, a))):
+            low, high = two.vertices.min(axis=0), two.vertices.max(axis=0)
+            points = one.centroids()
+            near = ((points >= low) & (points <= high)).all(axis=1)
+            hit = _first_inside(points[near], two) if near.any() else None
+            if hit is not None:
+                raise InputError(
+                    f"bodies {n1!r} and {n2!r} lie in one place, near"
+                    f" ({', '.join(f'{c:g}' for c in hit[: one.dim])}) m; move one, or cut it out"
+                )
+
+
+_FACES = {
+    Kind.HEX: ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+    Kind.TET: ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
+}
+
+
+def _first_inside(points: np.ndarray, domains: Domains) -> np.ndarray | None:
+    """The first point that lies in a domain, taken as the convex body of its faces' mean planes."""
+    from scipy.spatial import cKDTree  # noqa: PLC0415
+
+    x = domains.vertices[domains.cells]
+    centres = domains.centroids()
+    reach = float(np.sqrt(((x - centres[:, None]) ** 2).sum(axis=2).max()))
+    near = cKDTree(centres).query_ball_point(points, reach)
+    for point, candidates in zip(points, near, strict=True):
+        if candidates and _inside(point, x[candidates], domains.kind).any():
+            return point
+    return None
+
+
+def _inside(point: np.ndarray, x: np.ndarray, kind: Kind) -> np.ndarray:
+    """Whether the point lies in each of the domains with corners x (m, corners, 3)."""
+    if kind == Kind.LINE:
+        return (x[:, 0, 0] < point[0]) & (point[0] < x[:, 1, 0])
+    if kind.dim == 2:
+        edge, arm = np.roll(x, -1, axis=1) - x, point - x
+        return (edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0] > 0).all(axis=1)
+    inside = np.ones(len(x), dtype=bool)
+    for face in _FACES[kind]:
+        corners = x[:, list(face)]
+        middle = corners.mean(axis=1)
+        normal = np.cross(corners - middle[:, None], np.roll(corners, -1, axis=1) - middle[:, None]).sum(axis=1)
+        inside &= ((point - middle) * normal).sum(axis=1) < 0
+    return inside

@@ -1,0 +1,144 @@
+"""Structured meshes of particle domains, and meshes from arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from matpoint.domains import Domains, Kind
+from matpoint.errors import InputError
+from matpoint.fill import lattice_domains
+
+
+def _divisions(what: str, values: Sequence[int], count: int) -> tuple[int, ...]:
+    numbers = tuple(values)
+    if len(numbers) != count or any(isinstance(n, bool) or n != int(n) or n < 1 for n in numbers):
+        raise InputError(f"{what}: divisions = {list(values)} must be {count} whole numbers >= 1")
+    return tuple(int(n) for n in numbers)
+
+
+def mesh_box(lower: Sequence[float], upper: Sequence[float], divisions: Sequence[int]) -> Domains:
+    """Return a box of equal lines, quadrilaterals or hexahedra.
+
+    Parameters
+    ----------
+    lower, upper
+        Its corners [m], one number per axis.
+    divisions
+        Domains along each axis.
+
+    Raises
+    ------
+    InputError
+        If sizes or divisions are not positive.
+    """
+    low, high = np.array(lower, dtype=float), np.array(upper, dtype=float)
+    if low.shape != high.shape or not 1 <= len(low) <= 3:
+        raise InputError(f"mesh box: lower = {list(lower)} and upper = {list(upper)} must have 1 to 3 numbers each")
+    if not (np.isfinite(low).all() and np.isfinite(high).all() and (high > low).all()):
+        raise InputError(f"mesh box: upper = {list(upper)} must be greater than lower = {list(lower)}")
+    count = np.array(_divisions("mesh box", divisions, len(low)))
+    index = np.stack([m.ravel() for m in np.meshgrid(*map(np.arange, count), indexing="ij")], axis=1)
+    return lattice_domains(index, low, (high - low) / count)
+
+
+def mesh_annulus(
+    inner: float,
+    outer: float,
+    divisions: Sequence[int],
+    angles: tuple[float, float] = (0.0, math.pi / 2),
+    centre: Sequence[float] = (0.0, 0.0),
+) -> Domains:
+    """Return a sector of a ring in quadrilaterals, or a whole ring.
+
+    Parameters
+    ----------
+    inner, outer
+        Radii [m].
+    divisions
+        Domains along the radius and along the angle.
+    angles
+        First and last angle [rad]; a span of 2 pi closes the ring.
+    centre
+        [m]
+
+    Raises
+    ------
+    InputError
+        If radii or angles are out of order, or divisions are not positive.
+    """
+    if not (math.isfinite(inner) and math.isfinite(outer) and 0 < inner < outer):
+        raise InputError(f"mesh annulus: inner = {inner:g} and outer = {outer:g} must be 0 < inner < outer")
+    span = angles[1] - angles[0]
+    if not 0 < span <= 2 * math.pi + 1e-9:
+        raise InputError(f"mesh annulus: angles = {list(angles)} must grow by at most 2 pi")
+    radial, tangential = _divisions("mesh annulus", divisions, 2)
+    closed = abs(span - 2 * math.pi) < 1e-9
+    if closed and tangential < 3:
+        raise InputError("mesh annulus: a whole ring needs 3 divisions along the angle, or more")
+    r = np.linspace(inner, outer, radial + 1)
+    columns = tangential if closed else tangential + 1
+    a = angles[0] + span * np.arange(columns) / tangential
+    x = np.zeros(((radial + 1) * columns, 3))
+    x[:, 0] = centre[0] + np.outer(r, np.cos(a)).ravel()
+    x[:, 1] = centre[1] + np.outer(r, np.sin(a)).ravel()
+    # Symmetry planes must be met exactly, not to a rounding of the cosine.
+    x[np.abs(x) < 1e-12 * outer] = 0.0
+    i, j = (m.ravel() for m in np.meshgrid(np.arange(radial), np.arange(tangential), indexing="ij"))
+    k = (j + 1) % columns
+    cells = np.stack([i * columns + j, (i + 1) * columns + j, (i + 1) * columns + k, i * columns + k], axis=1)
+    return Domains(x, cells, Kind.QUAD)
+
+
+def extrude(domains: Domains, heights: Sequence[float]) -> Domains:
+    """Return hexahedra: quadrilaterals drawn along z.
+
+    Parameters
+    ----------
+    domains
+        Quadrilaterals.
+    heights
+        Increasing z levels [m], one more than layers.
+
+    Raises
+    ------
+    InputError
+        If the domains are not quadrilaterals or the heights don't increase.
+    """
+    if domains.kind != Kind.QUAD:
+        raise InputError(f"extrude: {domains.kind.name.lower()} domains given; quadrilaterals are needed")
+    z = np.array(heights, dtype=float)
+    if z.ndim != 1 or len(z) < 2 or not (np.isfinite(z).all() and (np.diff(z) > 0).all()):
+        raise InputError(f"extrude: heights = {list(heights)} must increase, and be two or more")
+    nv = len(domains.vertices)
+    x = np.tile(domains.vertices, (len(z), 1))
+    x[:, 2] = np.repeat(z, nv)
+    cells = [np.hstack([domains.cells + k * nv, domains.cells + (k + 1) * nv]) for k in range(len(z) - 1)]
+    return Domains(x, np.concatenate(cells), Kind.HEX)
+
+
+def domains_from_arrays(vertices: np.ndarray, cells: np.ndarray, kind: Kind) -> Domains:
+    """Return domains from vertex and connectivity arrays.
+
+    Parameters
+    ----------
+    vertices
+        Positions [m], shape (nv, 1), (nv, 2) or (nv, 3).
+    cells
+        Corners of each domain in VTK's order, shape (n, corners).
+    kind
+        Their shape.
+
+    Raises
+    ------
+    InputError
+        As :class:`Domains`.
+    """
+    given = np.asarray(vertices, dtype=float)
+    if given.ndim != 2 or not 1 <= given.shape[1] <= 3:
+        raise InputError(f"mesh: vertices have shape {given.shape}; (number, 1 to 3) is needed")
+    x = np.zeros((len(given), 3))
+    x[:, : given.shape[1]] = given
+    return Domains(x, np.asarray(cells), kind)
