@@ -118,6 +118,8 @@ def _inside(point: np.ndarray, x: np.ndarray, kind: Kind) -> np.ndarray:
     for face in _FACES[kind]:
         corners = x[:, list(face)]
         middle = corners.mean(axis=1)
-        normal = np.cross(corners - middle[:, None], np.roll(corners, -1, axis=1) - middle[:, None]).sum(axis=1)
+        normal = np.cross(corners - middle[:, None], np.roll(corners, -1, axis=1) - middle[:, None]).sum(
+            axis=1
+        )
         inside &= ((point - middle) * normal).sum(axis=1) < 0
     return inside

@@ -130,7 +130,7 @@ class Engine:
         self.mapping.to_particles(self.dt, self.flip, move=False, differentiate=True)
 
     def scatter_affine(self) -> None:
-        """APIC's affine velocity to the particles."""
+        """APIC's moment of velocity to the particles."""
         self._box().nodes_to_affine()
 
     def update_stress(self) -> None:

@@ -84,9 +84,7 @@ class Loads:
     def __init__(self, loads: Sequence[Load], dim: int) -> None:
         for load in loads:
             if isinstance(load, Gravity) and len(load.acceleration) > dim:
-                raise InputError(
-                    f"gravity: {len(load.acceleration)} components given, the grid has {dim} axes"
-                )
+                raise InputError(f"gravity: {len(load.acceleration)} components for {dim} axes")
         self._uniform = [load for load in loads if isinstance(load, Gravity)]
         self._fields = [load.function for load in loads if isinstance(load, BodyForce)]
 

@@ -36,7 +36,9 @@ def mesh_box(lower: Sequence[float], upper: Sequence[float], divisions: Sequence
     """
     low, high = np.array(lower, dtype=float), np.array(upper, dtype=float)
     if low.shape != high.shape or not 1 <= len(low) <= 3:
-        raise InputError(f"mesh box: lower = {list(lower)} and upper = {list(upper)} must have 1 to 3 numbers each")
+        raise InputError(
+            f"mesh box: lower = {list(lower)} and upper = {list(upper)} must have 1 to 3 numbers each"
+        )
     if not (np.isfinite(low).all() and np.isfinite(high).all() and (high > low).all()):
         raise InputError(f"mesh box: upper = {list(upper)} must be greater than lower = {list(lower)}")
     count = np.array(_divisions("mesh box", divisions, len(low)))

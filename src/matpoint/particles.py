@@ -38,8 +38,8 @@ class Particles:
         Cauchy stress [Pa], order xx, yy, zz, xy, yz, xz.
     state : ndarray, shape (n, s)
         State variables of the materials; s is the largest number that any of them has.
-    affine, affine_moment : ndarray, shape (n, 3, 3)
-        APIC's C [1/s] and B [m^2/s], in runs with APIC only.
+    affine_moment : ndarray, shape (n, 3, 3)
+        APIC's B = sum w v (x_i - x_p)^T [m^2/s], in runs with APIC only.
     """
 
     id: np.ndarray
@@ -55,7 +55,6 @@ class Particles:
     velocity_gradient: np.ndarray
     stress: np.ndarray
     state: np.ndarray
-    affine: np.ndarray
     affine_moment: np.ndarray
 
     def __init__(self, count: int, state_variables: int = 0) -> None:

@@ -67,9 +67,13 @@ class Box(Region):
     def __post_init__(self) -> None:
         low, high = _point("box: lower", self.lower), _point("box: upper", self.upper)
         if len(self.lower) != len(self.upper):
-            raise InputError(f"box: lower {list(self.lower)} and upper {list(self.upper)} must be equally long")
+            raise InputError(
+                f"box: lower {list(self.lower)} and upper {list(self.upper)} must be equally long"
+            )
         if not (high > low)[: len(self.lower)].all():
-            raise InputError(f"box: upper = {list(self.upper)} must be greater than lower = {list(self.lower)}")
+            raise InputError(
+                f"box: upper = {list(self.upper)} must be greater than lower = {list(self.lower)}"
+            )
 
     def contains(self, points: np.ndarray) -> np.ndarray:
         low, high = self.bounds()
@@ -129,7 +133,9 @@ class Annulus(Region):
     def __post_init__(self) -> None:
         _positive("annulus: outer", self.outer)
         if not (isinstance(self.inner, int | float) and 0 <= self.inner < self.outer):
-            raise InputError(f"annulus: inner = {self.inner!r} must be from 0 to below outer = {self.outer:g}")
+            raise InputError(
+                f"annulus: inner = {self.inner!r} must be from 0 to below outer = {self.outer:g}"
+            )
         if self.angles is not None and not 0 < self.angles[1] - self.angles[0] <= 2 * math.pi + _HAIR:
             raise InputError(f"annulus: angles = {list(self.angles)} must grow by at most 2 pi")
         _point("annulus: centre", self.centre)
@@ -167,7 +173,9 @@ class Polygon(Region):
         from shapely.validation import explain_validity  # noqa: PLC0415
 
         if len(self.points) < 3 or any(len(p) != 2 for p in self.points):
-            raise InputError(f"polygon: {len(self.points)} points given; 3 or more pairs of numbers are needed")
+            raise InputError(
+                f"polygon: {len(self.points)} points given; 3 or more pairs of numbers are needed"
+            )
         for p in self.points:
             _point("polygon: point", p)
         shape = Shape(self.points)

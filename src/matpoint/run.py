@@ -6,7 +6,8 @@ import math
 import signal
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from matpoint.timestep import FixedStep, stable_step
@@ -90,24 +91,23 @@ def _watch(sim: Simulation, dt: float) -> None:
 
 def run_steps(sim: Simulation, until: float, writers: Sequence[Writer], progress: Observer | None) -> None:
     """Step ``sim`` to the time ``until`` [s]; writers are closed whatever happens."""
-    opened: list[Writer] = []
-    error: BaseException | None = None
-    try:
+    with ExitStack() as stack:
         for writer in writers:
             writer.open(sim)
-            opened.append(writer)
+            stack.push(partial(_close, writer, sim))
         if progress is not None:
             progress.start(sim, until)
+            stack.push(partial(_stop, progress))
         with _interruptible() as interrupt:
             _loop(sim, until, writers, progress, interrupt)
-    except BaseException as raised:
-        error = raised
-        raise
-    finally:
-        for writer in opened:
-            writer.close(sim, error)
-        if progress is not None:
-            progress.stop(error)
+
+
+def _close(writer: Writer, sim: Simulation, _kind: Any, error: BaseException | None, _trace: Any) -> None:
+    writer.close(sim, error)
+
+
+def _stop(progress: Observer, _kind: Any, error: BaseException | None, _trace: Any) -> None:
+    progress.stop(error)
 
 
 def _loop(

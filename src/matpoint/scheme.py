@@ -86,7 +86,8 @@ LOCATE = Stage("locate", "cell and slab of x_p or x_a", ("position",), ("order",
 CLEAR = Stage("clear", "m_i = 0, p_i = 0, f_i = 0", (), ("nodes",), Engine.clear)
 GATHER = Stage(
     "particles to nodes",
-    "m_i = sum phi m_p, p_i = sum phi m_p v_p, f_i = sum phi m_p b_p - grad phi . sigma_p V_p  (S 1, 2, 7, 9)",
+    "m_i = sum phi m_p, p_i = sum phi m_p v_p,"
+    " f_i = sum phi m_p b_p - grad phi . sigma_p V_p  (S 1, 2, 7, 9)",
     ("position", "velocity", "mass", "volume", "stress"),
     ("nodes",),
     Engine.gather,
@@ -100,8 +101,8 @@ GATHER_MOMENTUM = Stage(
 )
 AFFINE_OUT = Stage(
     "affine momentum to nodes",
-    "p_i += sum phi m_p C_p (x_i - x_p)  (Jiang et al. 2015)",
-    ("position", "affine", "mass"),
+    "p_i += sum phi m_p B_p D_p^-1 (x_i - x_p)  (Jiang et al. 2015)",
+    ("position", "affine_moment", "mass"),
     ("nodes",),
     Engine.gather_affine,
 )
@@ -137,10 +138,10 @@ MOVE = Stage(
     Engine.move,
 )
 AFFINE_BACK = Stage(
-    "affine velocity to particles",
-    "C_p = (sum phi v_i+ (x_i - x_p)) D_p^-1  (Jiang et al. 2015)",
+    "moment of velocity to particles",
+    "B_p = sum phi v_i+ (x_i - x_p)^T  (Jiang et al. 2015)",
     ("nodes", "position"),
-    ("affine",),
+    ("affine_moment",),
     Engine.scatter_affine,
 )
 DIFFERENTIATE = Stage(

@@ -96,8 +96,7 @@ class Simulation:
             ) from None
         constraints = Constraints(boundaries, grid, mapping.points(), interpolation.walls_only)
         if isinstance(self.scheme.transfer, APIC):
-            for name in ("affine", "affine_moment"):
-                setting.particles.add(name, np.zeros((len(setting.particles), 3, 3)))
+            setting.particles.add("affine_moment", np.zeros((len(setting.particles), 3, 3)))
         self.engine = Engine(
             setting.particles,
             mapping,

@@ -75,7 +75,7 @@ def stable_step(simulation: Simulation) -> float:
     p = simulation.particles
     speed = np.zeros(len(p))
     for index, material in simulation.by_material():
-        speed[index] = material.wave_speed(p.deformation_gradient[index])
+        speed[index] = material.wave_speed(p.deformation_gradient[index], p.state[index])
     rate = speed + np.sqrt((p.velocity**2).sum(axis=1))
     fastest = float(rate.max())
     limit = simulation.grid.finest / fastest if fastest > 0 else math.inf

@@ -91,6 +91,20 @@ def test_a_users_law_equals_the_built_in_one():
     np.testing.assert_allclose(b["state"][:, 0], 1e-3)
 
 
+def test_two_users_laws_with_like_parameters_stay_apart():
+    def one(F, F_new, L, dt, state, params):
+        return scale(params.k, identity())
+
+    def ten(F, F_new, L, dt, state, params):
+        return scale(10.0 * params.k, identity())
+
+    for law, expected in ((one, 2.0), (ten, 20.0), (one, 2.0)):
+        material = UserMaterial(law, {"k": 2.0}, 1.0, modulus=1.0)
+        a = arrays(material, 1)
+        assert stress_kernel(material)(np.arange(1), 0, 1, *a.values(), 1e-3) == -1
+        assert a["stress"][0, 0] == expected
+
+
 @numba.njit
 def _square(x):
     return x * x
@@ -127,10 +141,11 @@ def test_a_law_that_numba_cannot_compile_is_refused_in_a_few_words():
 _SCRIPT = """
 from matpoint.kernels.stress import stress_kernel, update_stress
 from matpoint.materials import MATERIALS, material_from
-values = dict(E=1.0, nu=0.3, density=1.0, yield_stress=1.0, viscosity=1.0, bulk_modulus=1.0)
 import inspect
+values = dict(E=1.0, nu=0.3, density=1.0, yield_stress=1.0, viscosity=1.0, bulk_modulus=1.0)
 for name, kind in MATERIALS.items():
-    stress_kernel(material_from(name, **{k: v for k, v in values.items() if k in inspect.signature(kind).parameters}))
+    names = inspect.signature(kind).parameters
+    stress_kernel(material_from(name, **{k: v for k, v in values.items() if k in names}))
 print(len(MATERIALS), sum(update_stress.stats.cache_hits.values()))
 """
 

@@ -100,18 +100,18 @@ class BoxMapping(Mapping):
             s.pointer,
             lambda slabs, a, b: kernels.affine_to_nodes(
                 *n.rows, n.shape[1], n.shape[2], n.flat, slabs, a, b, s.pointer, s.order,
-                p.position, self.half, p.mass, p.affine, *n.coordinates,
+                p.position, self.half, p.mass, p.affine_moment, *n.coordinates,
             ),
         )  # fmt: skip
 
     def nodes_to_affine(self) -> None:
-        """Bring APIC's affine velocity C [1/s] to the particles."""
+        """Bring APIC's moment of velocity B [m^2/s] to the particles."""
         p, n = self.particles, self.nodes
         self.team.split(
             len(p),
             lambda a, b: kernels.nodes_to_affine(
                 *n.rows, n.shape[1], n.shape[2], n.flat, a, b, p.position, self.half,
-                p.affine, p.affine_moment, *n.coordinates,
+                p.affine_moment, *n.coordinates,
             ),
         )  # fmt: skip
 

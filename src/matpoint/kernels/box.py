@@ -7,7 +7,7 @@ increment, spare after it. Nodes are numbered with the last axis fastest.
 
 from __future__ import annotations
 
-from matpoint.jit import kernel
+from matpoint.jit import device, kernel
 from matpoint.kernels.rows import row
 from matpoint.kernels.vector import fma, lane, load, pack, scale, store, zero
 
@@ -89,11 +89,24 @@ def nodes_to_particles(
                 gradient[p, a, 2] = lane(along_z, a)
 
 
+@device
+def _inverse_spread(w, first, coordinates, x):
+    """1 / sum w (x_i - x_p)^2 along one axis, or 0 where it vanishes (a missing axis, a hat at a node)."""
+    spread = 0.0
+    for i in range(len(w)):
+        spread += w[i] * (coordinates[first + i] - x) ** 2
+    return 1.0 / spread if spread > 0.0 else 0.0
+
+
 @kernel
 def affine_to_nodes(
-    ax, ay, az, ny, nz, nodes, slabs, start, stop, pointer, order, x, half, mass, affine, cx, cy, cz
+    ax, ay, az, ny, nz, nodes, slabs, start, stop, pointer, order, x, half, mass, moment, cx, cy, cz
 ):
-    """Add the affine momentum m C (x_i - x_p) of APIC (Jiang et al. 2015, eq. 8)."""
+    """Add the affine momentum m B D^-1 (x_i - x_p) of APIC (Jiang et al. 2015, eq. 8).
+
+    D = sum w (x_i - x_p)(x_i - x_p)^T is taken where the particle is now, so that angular momentum is
+    kept by every basis; it is diagonal, since the rows of weights reproduce x_p.
+    """
     for q in range(start, stop):
         for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
             p = order[r]
@@ -101,45 +114,41 @@ def affine_to_nodes(
             bx, wx, _ = row(ax, x[p, 0], half[h, 0])
             by, wy, _ = row(ay, x[p, 1], half[h, 1])
             bz, wz, _ = row(az, x[p, 2], half[h, 2])
+            qx = _inverse_spread(wx, bx, cx, x[p, 0])
+            qy = _inverse_spread(wy, by, cy, x[p, 1])
+            qz = _inverse_spread(wz, bz, cz, x[p, 2])
             for i in range(len(wx)):
                 for j in range(len(wy)):
                     for k in range(len(wz)):
                         n = (((bx + i) * ny + by + j) * nz + bz + k) * 8
                         w = wx[i] * wy[j] * wz[k] * mass[p]
-                        rx, ry, rz = cx[bx + i] - x[p, 0], cy[by + j] - x[p, 1], cz[bz + k] - x[p, 2]
+                        rx = (cx[bx + i] - x[p, 0]) * qx
+                        ry = (cy[by + j] - x[p, 1]) * qy
+                        rz = (cz[bz + k] - x[p, 2]) * qz
                         for a in range(3):
                             nodes[n + a] += w * (
-                                affine[p, a, 0] * rx + affine[p, a, 1] * ry + affine[p, a, 2] * rz
+                                moment[p, a, 0] * rx + moment[p, a, 1] * ry + moment[p, a, 2] * rz
                             )
 
 
 @kernel
-def nodes_to_affine(ax, ay, az, ny, nz, nodes, start, stop, x, half, affine, moment, cx, cy, cz):
-    """C = B D^-1 with the moment B = sum w v (x_i - x_p)^T (Jiang et al. 2015, eq. 10).
-
-    D = sum w (x_i - x_p)(x_i - x_p)^T is diagonal, since the weights are a tensor product whose
-    rows reproduce x_p; where a component of D vanishes (a missing axis, a hat at a node) so does B.
-    """
+def nodes_to_affine(ax, ay, az, ny, nz, nodes, start, stop, x, half, moment, cx, cy, cz):
+    """B = sum w v (x_i - x_p)^T (Jiang et al. 2015, eq. 10)."""
     for p in range(start, stop):
         h = p if half.shape[0] > 1 else 0
         bx, wx, _ = row(ax, x[p, 0], half[h, 0])
         by, wy, _ = row(ay, x[p, 1], half[h, 1])
         bz, wz, _ = row(az, x[p, 2], half[h, 2])
-        qx, qy, qz = 0.0, 0.0, 0.0
         moment_x, moment_y, moment_z = zero(), zero(), zero()
         for i in range(len(wx)):
             for j in range(len(wy)):
                 for k in range(len(wz)):
                     w = wx[i] * wy[j] * wz[k]
-                    rx, ry, rz = cx[bx + i] - x[p, 0], cy[by + j] - x[p, 1], cz[bz + k] - x[p, 2]
                     node = load(nodes, (((bx + i) * ny + by + j) * nz + bz + k) * 8)
-                    moment_x, qx = fma(w * rx, node, moment_x), qx + w * rx * rx
-                    moment_y, qy = fma(w * ry, node, moment_y), qy + w * ry * ry
-                    moment_z, qz = fma(w * rz, node, moment_z), qz + w * rz * rz
+                    moment_x = fma(w * (cx[bx + i] - x[p, 0]), node, moment_x)
+                    moment_y = fma(w * (cy[by + j] - x[p, 1]), node, moment_y)
+                    moment_z = fma(w * (cz[bz + k] - x[p, 2]), node, moment_z)
         for a in range(3):
             moment[p, a, 0] = lane(moment_x, a)
             moment[p, a, 1] = lane(moment_y, a)
             moment[p, a, 2] = lane(moment_z, a)
-            affine[p, a, 0] = moment[p, a, 0] / qx if qx > 0.0 else 0.0
-            affine[p, a, 1] = moment[p, a, 1] / qy if qy > 0.0 else 0.0
-            affine[p, a, 2] = moment[p, a, 2] / qz if qz > 0.0 else 0.0

@@ -38,6 +38,10 @@ def stress_law(parameters: type) -> Callable[[Law], Law]:
     """
 
     def register(law: Law) -> Law:
+        # Numba's dispatcher takes named tuple classes of one name and shape for one type, and would run
+        # the law of the first for the second: no two may have the same name.
+        if any(known.__name__ == parameters.__name__ for known in _LAWS if known is not parameters):
+            parameters.__name__ = f"{parameters.__name__}_{len(_LAWS)}"
         _LAWS[parameters] = law
         return law
 

@@ -1,0 +1,83 @@
+"""Checkpoints: all that a run needs to go on, in one HDF5 file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from matpoint.errors import InputError
+from matpoint.output.triggers import Trigger
+
+if TYPE_CHECKING:
+    from matpoint.simulation import Simulation
+
+_FORMAT = "matpoint checkpoint 1"
+
+
+class Checkpoint:
+    """The latest state, replaced as a whole each time.
+
+    Parameters
+    ----------
+    path
+        The file.
+    trigger
+        When it is written; an interrupted run writes one more.
+    """
+
+    def __init__(self, path: Path, trigger: Trigger) -> None:
+        self.path, self.trigger = path, trigger
+
+    def open(self, sim: Simulation) -> None:
+        """Refuse a place that can't be written before the run begins."""
+        if not self.path.parent.is_dir() or not os.access(self.path.parent, os.W_OK):
+            raise InputError(f"checkpoint: {self.path.parent} can't be written to")
+
+    def write(self, sim: Simulation) -> None:
+        """Write beside the old file, then put the new one in its place."""
+        import h5py  # noqa: PLC0415 (slow to import)
+
+        part = self.path.with_name(self.path.name + ".tmp")
+        with h5py.File(part, "w") as file:
+            file.attrs["format"] = _FORMAT
+            file.attrs["fingerprint"] = sim.fingerprint()
+            for name, value in sim.state_scalars().items():
+                file.attrs[f"scalar.{name}"] = value
+            for name, values in sim.state_arrays().items():
+                file.create_dataset(name, data=values)
+        os.replace(part, self.path)
+
+    def close(self, sim: Simulation, error: BaseException | None) -> None:
+        """Keep the state of a run that was interrupted between two steps."""
+        if isinstance(error, KeyboardInterrupt):
+            self.write(sim)
+
+
+def resume(sim: Simulation, path: Path | str) -> None:
+    """Take up a checkpoint in a simulation made from the same case.
+
+    Raises
+    ------
+    InputError
+        If the file is no checkpoint, is damaged, or belongs to another case.
+    """
+    import h5py  # noqa: PLC0415 (slow to import)
+
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != _FORMAT:
+                raise InputError(f"restart: {path} is not a matpoint checkpoint")
+            fingerprint = file.attrs["fingerprint"]
+            prefix = "scalar."
+            scalars = {k[len(prefix) :]: float(v) for k, v in file.attrs.items() if k.startswith(prefix)}
+            arrays = {name: np.asarray(data) for name, data in file.items()}
+    except (OSError, KeyError, ValueError) as error:
+        raise InputError(f"restart: {path} can't be read ({error})") from None
+    if fingerprint != sim.fingerprint():
+        raise InputError(
+            f"restart: {path} belongs to another case (grid, method, scheme, materials or sizes differ)"
+        )
+    sim.restore(arrays, scalars)

@@ -1,0 +1,187 @@
+"""Pictures: one style for all, curves, and particles as they lie."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from matpoint.errors import InputError
+from matpoint.output.triggers import AtTimes, Trigger
+
+if TYPE_CHECKING:
+    from matpoint.simulation import Simulation
+
+# Okabe and Ito's palette, safe for colour-blind readers; a method keeps its colour everywhere.
+_STYLES: dict[str, tuple[str, str, str]] = {
+    "fem": ("#000000", "-", ""),
+    "mpm": ("#999999", "--", "s"),
+    "ugimp": ("#E69F00", "--", "^"),
+    "cpgimp": ("#F0C242", ":", "v"),
+    "bspline2": ("#56B4E9", "-.", "P"),
+    "bspline3": ("#0F4C81", "-.", "X"),
+    "cpdi1": ("#CC79A7", "--", "D"),
+    "cpdi2": ("#D55E00", "-", "o"),
+    "enriched-cpdi2": ("#009E73", "-", "*"),
+    "mls": ("#7A5195", ":", "<"),
+    "imls": ("#7A5195", "-", ">"),
+}
+
+
+def method_style(name: str) -> dict[str, Any]:
+    """Return colour, line style and marker of a method, as matplotlib's keywords."""
+    colour, line, marker = _STYLES.get(name, ("#444444", "-", "."))
+    return {"color": colour, "linestyle": line, "marker": marker}
+
+
+def new_figure(
+    width: float = 7.0, height: float = 4.3, rows: int = 1, columns: int = 1, *, share_y: bool = True
+) -> tuple[Any, Any]:
+    """Return a figure [inches] and its axes, an array if there are several."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import)
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    axes = figure.subplots(rows, columns, sharex=True, sharey=share_y)
+    for axis in np.atleast_1d(axes).ravel():
+        axis.grid(True, color="#dddddd", linewidth=0.6)
+        axis.spines[["top", "right"]].set_visible(False)
+    return figure, axes
+
+
+def save(figure: Any, path: Path) -> Path:
+    """Write a PNG."""
+    figure.savefig(path, dpi=150)
+    return path
+
+
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    """Return von Mises' equivalent stress [Pa] of stresses (n, 6)."""
+    mean = stress[:, :3].mean(axis=1)[:, None]
+    s, t = stress[:, :3] - mean, stress[:, 3:]
+    return np.sqrt(1.5 * ((s**2).sum(axis=1) + 2 * (t**2).sum(axis=1)))
+
+
+_COLOURS = {
+    "von_mises": ("von Mises stress [Pa]", lambda p: von_mises(p.stress)),
+    "stress_xx": ("stress xx [Pa]", lambda p: p.stress[:, 0]),
+    "stress_yy": ("stress yy [Pa]", lambda p: p.stress[:, 1]),
+    "stress_zz": ("stress zz [Pa]", lambda p: p.stress[:, 2]),
+    "speed": ("speed [m/s]", lambda p: np.sqrt((p.velocity**2).sum(axis=1))),
+    "displacement": ("displacement [m]", lambda p: np.sqrt(((p.position - p.position0) ** 2).sum(axis=1))),
+    "material": ("material", lambda p: p.material.astype(float)),
+}
+COLOURS = tuple(_COLOURS)
+
+
+def draw_particles(sim: Simulation, path: Path, colour: str = "von_mises") -> Path:
+    """Draw the particles where they are, coloured by a field.
+
+    Domains of the vertex family are drawn as they are, in 1-D and 3-D as points.
+
+    Raises
+    ------
+    InputError
+        If there is no such colour.
+    """
+    if colour not in _COLOURS:
+        raise InputError(f"figure: colour = {colour!r}; {', '.join(COLOURS)} are allowed")
+    label, function = _COLOURS[colour]
+    p, values = sim.particles, function(sim.particles)
+    from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import)
+
+    figure = Figure(figsize=(7.0, 5.2), layout="constrained")
+    flat = sim.dim < 3
+    axes: Any = figure.add_subplot(projection=None if flat else "3d")
+    if sim.dim == 2 and sim.vertices is not None:
+        from matplotlib.collections import PolyCollection  # noqa: PLC0415
+
+        v = sim.vertices
+        corners = [v.position[row[:n], :2] for row, n in zip(v.connectivity, v.count, strict=True)]
+        drawn: Any = PolyCollection(corners, array=values, edgecolor="face", linewidth=0.2)
+        axes.add_collection(drawn)
+        axes.autoscale()
+    elif sim.dim == 3:
+        # Vertical bars hang along z on paper, whatever the axis of gravity is called in the case.
+        drawn = axes.scatter(*p.position.T, c=values, s=6)
+        axes.set_zlabel("z [m]")
+    else:
+        size = float(np.clip(4000.0 / len(p), 1.0, 40.0))
+        drawn = axes.scatter(p.position[:, 0], p.position[:, 1], c=values, s=size, linewidths=0)
+    axes.set_aspect("equal" if sim.dim > 1 else "auto")
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{sim.interpolation.name}, t = {sim.time:.4g} s")
+    figure.colorbar(drawn, ax=axes, label=label, shrink=0.8)
+    return save(figure, path)
+
+
+class ParticleFigure:
+    """Pictures of the particles at some times, and at the end.
+
+    Parameters
+    ----------
+    folder, stem
+        Files are ``<stem>-<number>.png``; the end is ``<stem>.png``.
+    colour
+        One of ``COLOURS``.
+    trigger
+        When a picture is drawn besides the last.
+    """
+
+    def __init__(
+        self, folder: Path, stem: str = "particles", colour: str = "von_mises", trigger: Trigger | None = None
+    ) -> None:
+        if colour not in _COLOURS:
+            raise InputError(f"figure: colour = {colour!r}; {', '.join(COLOURS)} are allowed")
+        self.folder, self.stem, self.colour = folder, stem, colour
+        self._numbered = trigger is not None
+        self.trigger: Trigger = trigger if trigger is not None else AtTimes((0.0,))
+        self._count = 0
+
+    def open(self, sim: Simulation) -> None:
+        """Nothing is needed before the first picture."""
+
+    def write(self, sim: Simulation) -> None:
+        """Draw a numbered picture."""
+        if self._numbered:
+            draw_particles(sim, self.folder / f"{self.stem}-{self._count:03d}.png", self.colour)
+            self._count += 1
+
+    def close(self, sim: Simulation, error: BaseException | None) -> None:
+        """Draw the end, unless the run failed."""
+        if error is None:
+            draw_particles(sim, self.folder / f"{self.stem}.png", self.colour)
+
+
+class HistoryFigure:
+    """A picture of columns of a history over time, drawn at the end.
+
+    Parameters
+    ----------
+    path
+        The file.
+    history
+        A :class:`~matpoint.output.history.Recorder` of the same run.
+    """
+
+    trigger: Trigger = AtTimes((0.0,))
+
+    def __init__(self, path: Path, history: Any) -> None:
+        self.path, self.history = path, history
+
+    def open(self, sim: Simulation) -> None:
+        """Nothing is needed before the end."""
+
+    def write(self, sim: Simulation) -> None:
+        """Nothing is drawn before the end."""
+
+    def close(self, sim: Simulation, error: BaseException | None) -> None:
+        """Draw one panel for each column."""
+        columns = self.history.columns[2:]
+        if error is not None or not columns or not self.history.rows:
+            return
+        figure, axes = new_figure(7.0, 1.2 + 1.8 * len(columns), len(columns), share_y=False)
+        for axis, column in zip(np.atleast_1d(axes), columns, strict=True):
+            axis.plot(self.history.array("time"), self.history.array(column), color="#0F4C81")
+            axis.set_ylabel(column)
+        np.atleast_1d(axes)[-1].set_xlabel("time [s]")
+        save(figure, self.path)

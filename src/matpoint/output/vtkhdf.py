@@ -1,0 +1,184 @@
+"""Results over time in one VTKHDF file, which ParaView opens with its time slider.
+
+The format is VTK's own (docs.vtk.org, "VTKHDF file format", version 2.2): an unstructured grid with
+a ``Steps`` group of offsets. Topology is written once; points and fields are appended at each step.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from matpoint.domains import Kind
+from matpoint.errors import InputError
+from matpoint.output.triggers import Trigger
+
+if TYPE_CHECKING:
+    from matpoint.simulation import Simulation
+
+_VTK_VERTEX = 1
+_VTK_CELL = {Kind.LINE: 3, Kind.QUAD: 9, Kind.HEX: 12, Kind.TRI: 5, Kind.TET: 10}
+_CHUNK = 1 << 14  # rows per chunk
+
+
+def _fields(sim: Simulation) -> dict[str, np.ndarray]:
+    """Particle fields in order of id."""
+    p = sim.particles
+    names = ("material", "body", "velocity", "stress", "volume")
+    fields = {"id": np.arange(len(p))} | {name: p.ordered(name) for name in names}
+    fields["displacement"] = p.ordered("position") - p.ordered("position0")
+    fields["deformation_gradient"] = p.ordered("deformation_gradient").reshape(-1, 9)
+    state = p.ordered("state")
+    for k, name in enumerate(_state_names(sim)):
+        fields[f"state.{name}"] = state[:, k]
+    return fields
+
+
+def _state_names(sim: Simulation) -> list[str]:
+    """Names of state variables, if all materials that have any agree on them."""
+    sets = {tuple(m.state_variables) for m in sim.materials if m.state_variables}
+    return list(sets.pop()) if len(sets) == 1 else []
+
+
+class VTKHDF:
+    """A time series of particles: points for the box family, deformed cells for the vertex family.
+
+    The file is closed after every step, so that what has been written stays readable however the run
+    ends. Particles stand in order of id.
+
+    Parameters
+    ----------
+    path
+        The file; the ending ``.vtkhdf`` makes ParaView recognise it.
+    trigger
+        When a step is written.
+    """
+
+    def __init__(self, path: Path, trigger: Trigger) -> None:
+        self.path, self.trigger = path, trigger
+
+    def open(self, sim: Simulation) -> None:
+        """Create the file with the topology."""
+        connectivity, offsets, types = self._topology(sim)
+        try:
+            with self._file("w") as file:
+                root = file.create_group("VTKHDF")
+                root.attrs["Version"] = np.array([2, 2])
+                root.attrs.create("Type", np.bytes_("UnstructuredGrid"))
+                for name, values in (("Connectivity", connectivity), ("Offsets", offsets), ("Types", types)):
+                    root.create_dataset(name, data=values, compression="gzip", compression_opts=1)
+                # One part for all steps: with a part offset that grows, readers shift the topology.
+                points = len(sim.particles) if sim.vertices is None else len(sim.vertices)
+                for name, count in (
+                    ("NumberOfPoints", points),
+                    ("NumberOfCells", len(types)),
+                    ("NumberOfConnectivityIds", len(connectivity)),
+                ):
+                    root.create_dataset(name, data=np.array([count]))
+                self._append(root, "Points", np.zeros((0, 3)))
+                root.create_group("PointData")
+                root.create_group("CellData")
+                steps = root.create_group("Steps")
+                steps.attrs["NSteps"] = 0
+                self._append(steps, "Values", np.zeros(0))
+        except OSError as error:
+            raise InputError(f"vtk: {self.path} can't be written ({error.strerror or error})") from None
+        self._cells = len(types)
+
+    def write(self, sim: Simulation) -> None:
+        """Append the present state: data first, then the step that names it."""
+        particles, cells = _fields(sim), {}
+        if sim.vertices is None:
+            points, point_data = sim.particles.ordered("position"), particles
+        else:
+            v = sim.vertices
+            points, cells = v.position, particles
+            point_data = {
+                "displacement": v.position - v.position0,
+                "enriched": v.is_enriched.astype(np.uint8),
+            }
+        with self._file("r+") as file:
+            root = file["VTKHDF"]
+            steps = root["Steps"]
+            number = int(steps.attrs["NSteps"])
+            row = {
+                "PointOffsets": number * len(points),
+                "CellOffsets": 0,
+                "ConnectivityIdOffsets": 0,
+                "PartOffsets": 0,
+                "NumberOfParts": 1,
+            }
+            self._truncate(root, number, len(points), self._cells)
+            self._append(root, "Points", points)
+            for group, data in (("PointData", point_data), ("CellData", cells)):
+                for name, values in data.items():
+                    self._append(root[group], name, values)
+                    offset = np.array([number * len(values)])
+                    self._append(steps.require_group(f"{group}Offsets"), name, offset)
+            for name, value in row.items():
+                shape = (1, 1) if name in ("CellOffsets", "ConnectivityIdOffsets") else (1,)
+                self._append(steps, name, np.full(shape, value))
+            self._append(steps, "Values", np.array([sim.time]))
+            steps.attrs["NSteps"] = number + 1
+
+    def close(self, sim: Simulation, error: BaseException | None) -> None:
+        """Nothing is left open between steps."""
+
+    # -- helpers -----------------------------------------------------------------------------
+
+    def _file(self, mode: str) -> Any:
+        import h5py  # noqa: PLC0415 (slow to import)
+
+        return h5py.File(self.path, mode)
+
+    @staticmethod
+    def _append(group: Any, name: str, values: np.ndarray) -> None:
+        """Add rows to a dataset that grows, making it if it is not there."""
+        values = np.asarray(values)
+        if name not in group:
+            rows = max(1, min(_CHUNK, len(values) or _CHUNK))
+            group.create_dataset(
+                name,
+                shape=(0, *values.shape[1:]),
+                maxshape=(None, *values.shape[1:]),
+                chunks=(rows, *values.shape[1:]),
+                dtype=values.dtype,
+                compression="gzip",
+                compression_opts=1,
+            )
+        data = group[name]
+        start = len(data)
+        data.resize(start + len(values), axis=0)
+        data[start:] = values
+
+    @staticmethod
+    def _truncate(root: Any, steps: int, points: int, cells: int) -> None:
+        """Drop what a step that did not get to its end may have left behind it."""
+
+        def cut(node: Any, length: int) -> None:
+            if len(node) > length:
+                node.resize(length, axis=0)
+
+        cut(root["Points"], steps * points)
+        for group, count in (("PointData", points), ("CellData", cells)):
+            for data in root[group].values():
+                cut(data, steps * count)
+            for data in root["Steps"].get(f"{group}Offsets", {}).values():
+                cut(data, steps)
+        for data in root["Steps"].values():
+            if hasattr(data, "resize"):
+                cut(data, steps)
+
+    @staticmethod
+    def _topology(sim: Simulation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Connectivity, offsets and cell types, in order of id."""
+        n, v = len(sim.particles), sim.vertices
+        if v is None:
+            return np.arange(n), np.arange(n + 1), np.full(n, _VTK_VERTEX, dtype=np.uint8)
+        order = np.argsort(sim.particles.id)
+        rows, count = v.connectivity[order], v.count[order]
+        used = np.arange(rows.shape[1]) < count[:, None]
+        types = np.array([_VTK_CELL[Kind(k)] for k in range(len(Kind))], dtype=np.uint8)[v.kind[order]]
+        return rows[used].astype(np.int64), np.concatenate([[0], np.cumsum(count)]), types

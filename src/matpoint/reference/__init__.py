@@ -1,0 +1,1 @@
+"""Reference solutions that owe nothing to the particle methods: finite elements and modes."""
