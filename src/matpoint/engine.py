@@ -15,6 +15,7 @@ from matpoint.boundary import Constraints
 from matpoint.errors import RunError
 from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Mapping, ParticleError
+from matpoint.kernels.ledger import book_loads
 from matpoint.kernels.nodes import constrain, solve
 from matpoint.loads import Damping, Loads
 from matpoint.materials import Material, stress_kernel
@@ -157,10 +158,7 @@ class Engine:
         except ParticleError as fault:
             raise self.fail(fault.particle, fault.cause) from None
         if self.body.any():
-            force = p.mass[:, None] * self.body
-            self.external[:3] += self.dt * force.sum(axis=0)
-            self.external[3] += float((force * (p.position - before)).sum())
-            self.external[4:] += self.dt * np.cross(before, force).sum(axis=0)
+            book_loads(p.mass, self.body, before, p.position, self.dt, self.external)
 
     # -- helpers -----------------------------------------------------------------------------
 

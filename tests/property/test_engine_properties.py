@@ -79,15 +79,18 @@ def test_a_prescribed_rigid_spin_makes_no_stress_and_keeps_domains(interpolation
         np.testing.assert_allclose(sim.vertices.position, sim.vertices.position0, atol=1e-12)
 
 
-@pytest.mark.parametrize("interpolation", VERTEX, ids=_id)
-def test_a_free_spin_keeps_the_stress_of_its_centrifugal_force(interpolation):
-    """A square spun at 2 rad/s carries stresses of rho w^2 r^2; rotation itself must add none."""
-    sim = spinning_block(interpolation, spin=2.0, drift=0.0)
-    centrifugal = RUBBER.density * 2.0**2 * 0.5
-    advance(sim, round(np.pi / 4 / 2.0 / sim.dt))  # 45 degrees
-    assert np.abs(sim.particles.stress).max() < 4 * centrifugal
-    spun = sim.particles.deformation_gradient
-    np.testing.assert_allclose(spun[:, 0, 1], -np.sqrt(0.5), atol=0.02)
+@pytest.mark.parametrize("interpolation", [mp.CPDI1(), mp.CPDI2()], ids=_id)
+def test_the_stress_of_a_free_spin_falls_with_the_cell_size(interpolation):
+    """Nodes at the surface see only particles inside: an error of the grid, gone as it is refined."""
+    rms = []
+    for cells in (8, 16):
+        sim, worst = spinning_block(interpolation, spin=2.0, drift=0.0, cells=cells), 0.0
+        for _ in range(40):
+            advance(sim, 10)
+            worst = max(worst, float(np.sqrt((sim.particles.stress**2).mean())))
+        rms.append(worst)
+    assert rms[0] < 0.005 * RUBBER.E
+    assert rms[1] < 0.6 * rms[0]
 
 
 @pytest.mark.parametrize("interpolation", [mp.BSpline(2), mp.UGIMP(), mp.CPGIMP("U"), *VERTEX], ids=_id)
@@ -154,5 +157,5 @@ def test_energy_is_kept_by_a_vibrating_bar():
         kinetic.append(take_entry(sim.engine).kinetic)
     assert sim.ledger.worst["energy"] < 0.02 * start
     # Kinetic energy vanishes twice a period: at T/4, 3T/4, ...
-    turns = np.flatnonzero((np.diff(np.sign(np.diff(kinetic))) > 0)) + 1
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(kinetic))) > 0) + 1
     assert turns[0] * 1e-4 == pytest.approx(period / 4, rel=0.03)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from matpoint.grid import Grid
-from matpoint.kernels import box, corners, locate, nodes, vector, vertex
+from matpoint.kernels import box, corners, ledger, locate, nodes, vector, vertex
 from matpoint.kernels.fields import per_particle
 from matpoint.kernels.stretch import stretch_boxes
 from matpoint.nodes import Nodes, gimp_axis, hat_axis, spline_axis
@@ -138,7 +138,7 @@ def test_corner_weights_are_exact_integrals(kind, number, count):
 
 def test_quad_and_hexahedron_that_turn_over_are_found():
     quad = np.array([[0, 0, 0], [1, 0, 0], [0.2, 0.2, 0], [0, 1, 0.0]])  # a dent: one corner is reflex
-    hexa = np.concatenate([quad + [0, 0, z] for z in (0.0, 1.0)])
+    hexa = np.concatenate([quad + np.array([0, 0, z]) for z in (0.0, 1.0)])
     for number, x in ((1, quad), (2, hexa)):
         n = len(x)
         weights, position = np.zeros((1, n, 4)), np.zeros((1, 3))
@@ -338,3 +338,16 @@ def test_compiled_user_field():
     X, x, values = rng.normal(size=(4, 3)), rng.normal(size=(4, 3)), np.zeros((4, 3))
     per_particle(push, X, x, 0.5, values)
     np.testing.assert_allclose(values, np.stack([X[:, 0] + 0.5, 2 * x[:, 1], np.full(4, 3.0)], axis=1))
+
+
+@pytest.mark.parametrize("rows", [1, 5])
+def test_book_loads(rows):
+    rng = np.random.default_rng(10)
+    m, body = rng.uniform(1, 2, 5), rng.normal(size=(rows, 3))
+    before, after = rng.normal(size=(5, 3)), rng.normal(size=(5, 3))
+    external = np.ones(7)
+    ledger.book_loads(m, body, before, after, 0.1, external)
+    force = m[:, None] * body
+    np.testing.assert_allclose(external[:3], 1 + 0.1 * force.sum(axis=0))
+    assert external[3] == pytest.approx(1 + (force * (after - before)).sum())
+    np.testing.assert_allclose(external[4:], 1 + 0.1 * np.cross(before, force).sum(axis=0))
