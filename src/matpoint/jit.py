@@ -16,6 +16,8 @@ from typing import Any
 
 import numba
 import platformdirs
+from numba import extending
+from numba.core import config
 from numba.cpython.unsafe import tuple as _tuples
 
 # Every fast-math freedom but "nnan" and "ninf": a NaN must stay a NaN, so that it is found.
@@ -40,7 +42,7 @@ def cache_folder() -> Path:
 
 
 if "NUMBA_CACHE_DIR" not in os.environ:
-    numba.config.CACHE_DIR = str(cache_folder())  # pyright: ignore[reportAttributeAccessIssue]
+    config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
 
 #: Decorator of a kernel: a loop over plain arrays, compiled once, cached, run without the GIL.
 kernel: Callable[..., Any] = partial(
@@ -48,7 +50,7 @@ kernel: Callable[..., Any] = partial(
 )
 
 #: Decorator of a small function used inside kernels; it stays callable from plain Python.
-device: Callable[..., Any] = numba.extending.register_jitable(fastmath=FAST_MATH, error_model="numpy")
+device: Callable[..., Any] = extending.register_jitable(fastmath=FAST_MATH, error_model="numpy")
 
 #: ``set_item(t, i, v)`` is the tuple ``t`` with entry i replaced; in compiled code only.
 set_item: Callable[..., Any] = _tuples.tuple_setitem

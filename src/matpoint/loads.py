@@ -110,7 +110,7 @@ class Loads:
         values = np.asarray(function(particles.position0, particles.position, time), dtype=float)
         if values.shape != particles.position.shape:
             raise InputError(
-                f"body force: the function returned shape {values.shape}; {particles.position.shape} is needed"
+                f"body force: it returned shape {values.shape}; {particles.position.shape} is needed"
             )
         return values
 

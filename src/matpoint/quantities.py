@@ -49,6 +49,13 @@ def _smallest_volume_ratio(sim: Simulation) -> float:
     return float((sim.particles.volume / sim.particles.volume0).min())
 
 
+def _domain_gap(sim: Simulation) -> float:
+    if sim.vertices is None:
+        return 0.0
+    gap = sim.vertices.deformation() - sim.particles.deformation_gradient
+    return float(np.sqrt((gap**2).sum(axis=(1, 2)).max()))
+
+
 def _largest_speed(sim: Simulation) -> float:
     return float(np.sqrt((sim.particles.velocity**2).sum(axis=1).max()))
 
@@ -71,6 +78,14 @@ QUANTITIES: dict[str, Quantity] = {
         for k, axis in enumerate("xyz")
     },
     "smallest_volume_ratio": Quantity(_smallest_volume_ratio, "-", "smallest V / V0 of all particles"),
+    "domain_gap": Quantity(
+        _domain_gap, "-", "largest |F by corner positions - F by rates|: hourglassing of CPDI2 domains"
+    ),
+    "fallen_domains": Quantity(
+        lambda sim: float(len(getattr(sim.engine.mapping, "fallen", ()))),
+        "-",
+        "domains that fell back to CPDI1",
+    ),
     "largest_speed": Quantity(_largest_speed, "m/s", "largest particle speed"),
     "dt": Quantity(lambda sim: sim.dt, "s", "length of the last step"),
 }

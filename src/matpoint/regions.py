@@ -79,7 +79,8 @@ class Box(Region):
         low, high = self.bounds()
         d = len(self.lower)
         hair = _HAIR * (high - low)[:d]
-        return ((points[:, :d] >= low[:d] - hair) & (points[:, :d] <= high[:d] + hair)).all(axis=1)
+        inside = (points[:, :d] >= low[:d] - hair) & (points[:, :d] <= high[:d] + hair)
+        return np.asarray(inside.all(axis=1))
 
     def bounds(self) -> Bounds:
         return _point("box: lower", self.lower, -np.inf), _point("box: upper", self.upper, np.inf)
@@ -187,9 +188,8 @@ class Polygon(Region):
 
         shape = shapely.Polygon(self.points)
         low, high = self.bounds()
-        return shapely.dwithin(
-            shape, shapely.points(points[:, 0], points[:, 1]), _HAIR * float((high - low)[:2].max())
-        )
+        hair = _HAIR * float((high - low)[:2].max())
+        return np.asarray(shapely.dwithin(shape, shapely.points(points[:, 0], points[:, 1]), hair))
 
     def bounds(self) -> Bounds:
         corners = np.array(self.points, dtype=float)

@@ -70,15 +70,19 @@ def stable_step(simulation: Simulation) -> float:
     """Return the largest stable step [s] where everything is now.
 
     A signal may cross no more than one cell, min_p h / (c_p + |v_p|), with c the wave speed in the
-    deformed state; nor 0.7 of the spacing of enriched vertices, which move with the material, at c.
+    deformed state; viscosity may spread no further, h^2 / (2 dim nu); and a signal may cross no more
+    than 0.7 of the spacing of enriched vertices, which move with the material, at c.
     """
     p = simulation.particles
-    speed = np.zeros(len(p))
+    speed, spread = np.zeros(len(p)), 0.0
     for index, material in simulation.by_material():
+        spread = max(spread, material.diffusivity)
         speed[index] = material.wave_speed(p.deformation_gradient[index], p.state[index])
     rate = speed + np.sqrt((p.velocity**2).sum(axis=1))
     fastest = float(rate.max())
     limit = simulation.grid.finest / fastest if fastest > 0 else math.inf
+    if spread > 0:
+        limit = min(limit, simulation.grid.finest**2 / (2 * simulation.dim * spread))
     spacing = simulation.vertex_spacing()
     stiffest = float(speed.max())
     if math.isfinite(spacing) and stiffest > 0:

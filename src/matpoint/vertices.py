@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from matpoint.kernels.corners import CORNERS
+from matpoint.kernels.corners import CORNERS, corner_weights
 from matpoint.kernels.vector import records
 
 
@@ -65,6 +65,56 @@ class Vertices:
         self.slots = slots[order]
         owners = self.connectivity.ravel()[self.slots]
         self.pointer = np.searchsorted(owners, np.arange(len(self.position) + 1))
+
+    def detach(self, particle: int, position0: np.ndarray, kind: int) -> None:
+        """Give a particle corners of its own, appended to the others.
+
+        Parameters
+        ----------
+        particle
+            Its row.
+        position0
+            Initial positions of the new corners [m], shape (corners, 3).
+        kind
+            The kind of its new domain.
+        """
+        old, count = len(self), len(position0)
+        n, width = self.connectivity.shape
+        if count > width:
+            wider = np.full((n, count), -1, dtype=np.int32)
+            wider[:, :width] = self.connectivity
+            self.connectivity = wider
+            self.weights = np.zeros((n, count, 4))
+        self.connectivity[particle] = -1
+        self.connectivity[particle, :count] = old + np.arange(count)
+        self.kind[particle] = kind
+        for name in ("position", "position_next", "position0"):
+            setattr(self, name, np.concatenate([getattr(self, name), position0]))
+        self.records = records(old + count)
+        self.flat = self.records.reshape(-1)
+        self.ordinary = np.append(self.ordinary, old + np.arange(count))
+        self.link()
+
+    def initial_weights(self) -> np.ndarray:
+        """Return R and G of all domains where they began, shape (n, K, 4)."""
+        weights = np.zeros_like(self.weights)
+        centre = np.zeros((len(self.connectivity), 3))
+        corner_weights(0, len(weights), self.kind, self.connectivity, self.position0, weights, centre)
+        return weights
+
+    def deformation(self) -> np.ndarray:
+        """Return F from corner positions, sum_a x_a (x) G0_a, shape (n, 3, 3).
+
+        What it differs from the particles' own F is hourglassing, and drift of the rate form
+        (methods, section 4).
+        """
+        weights = self.initial_weights()
+        used = (np.arange(weights.shape[1]) < self.count[:, None])[..., None]
+        corners = np.where(used, self.position[self.connectivity], 0.0)
+        F = np.einsum("pca,pcb->pab", corners, weights[..., 1:])
+        missing = ~F.any(axis=(0, 2))
+        F[:, missing, missing] = 1.0
+        return F
 
     def permute_particles(self, order: np.ndarray) -> None:
         """Follow a new order of the particles."""

@@ -185,7 +185,7 @@ def test_parallelepipeds_have_the_weights_of_their_corners(dim):
     F[:, :dim, :dim] += rng.uniform(-0.2, 0.2, (n, dim, dim))
     edges = np.tile(np.eye(3) * 0.5, (n, 1, 1))
     corner, weights = np.zeros((n * count, 3)), np.zeros((n, count, 4))
-    corners.parallelepipeds(0, n, dim, x, F, edges, corner, weights)
+    corners.parallelepipeds(0, n, np.arange(n), 0, dim, x, F, edges, corner, weights)
     own, position = np.zeros((n, count, 4)), np.zeros((n, 3))
     kind = np.full(n, dim - 1, dtype=np.int8)
     connectivity = np.arange(n * count, dtype=np.int32).reshape(n, count)

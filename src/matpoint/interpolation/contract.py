@@ -60,7 +60,11 @@ class Mapping(ABC):
     """
 
     nodes: Nodes
-    vertices: Vertices | None = None
+
+    @property
+    def vertices(self) -> Vertices | None:
+        """The corners of all domains, or None for the box family."""
+        return None
 
     @abstractmethod
     def before(self) -> None:

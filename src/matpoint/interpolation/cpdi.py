@@ -7,24 +7,30 @@ from typing import ClassVar
 
 import numpy as np
 
+from matpoint.errors import InputError
+from matpoint.interpolation.box import Slabs
 from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting, first_fault
 from matpoint.interpolation.vertex import VertexMapping
-from matpoint.kernels.corners import corner_weights, parallelepipeds
+from matpoint.kernels.corners import SIGNS, corner_weights, parallelepipeds
 from matpoint.kernels.vertex import move_vertices
 from matpoint.vertices import Vertices
 
-_KIND_OF_DIM = (0, 1, 2)  # line, quadrilateral, hexahedron
+KIND_OF_DIM = (0, 1, 2)  # line, quadrilateral, hexahedron
 
 
 class StretchedVertices(VertexMapping):
-    """Corners of x_p +- r_k with r_k = F r_k0, each particle's own (S 16)."""
+    """Corners of x_p +- r_k with r_k = F r_k0, each particle's own (S 16).
+
+    Corner c of the particle with id q is vertex q * 2^dim + c, whatever the particles' order.
+    """
 
     def __init__(self, setting: Setting) -> None:
         self.dim = setting.grid.dim
         self._edges = np.ascontiguousarray(setting.domains_edges)
         n, count = len(setting.particles), 2**self.dim
-        corners = np.arange(n * count).reshape(n, count)
-        kind = np.full(n, _KIND_OF_DIM[self.dim - 1])
+        corners = setting.particles.id[:, None] * count + np.arange(count)
+        kind = np.full(n, KIND_OF_DIM[self.dim - 1])
+        self._by_id = np.argsort(setting.particles.id)
         super().__init__(setting, Vertices(np.zeros((n * count, 3)), corners, kind))
         self.vertices.position0[:] = self.vertices.position
 
@@ -33,47 +39,85 @@ class StretchedVertices(VertexMapping):
         self.team.split(
             len(p),
             lambda a, b: parallelepipeds(
-                a, b, self.dim, p.position, p.deformation_gradient, self._edges, v.position, v.weights
+                a, b, self._by_id, 0, self.dim, p.position, p.deformation_gradient, self._edges,
+                v.position, v.weights,
             ),
-        )
+        )  # fmt: skip
 
     def permute(self, order: np.ndarray) -> None:
-        # Corner c of particle p is vertex p * 2^dim + c by definition: only the vertices move.
         self._edges = np.ascontiguousarray(self._edges[order])
-        v, count = self.vertices, 2**self.dim
-        v.position0 = np.ascontiguousarray(v.position0.reshape(-1, count, 3)[order].reshape(-1, 3))
-        self.update_domains()
+        self._by_id = np.argsort(self.particles.id)
+        super().permute(order)
 
     def state(self) -> dict[str, np.ndarray]:
-        return {"edges": self._edges, "position0": self.vertices.position0}
+        return {"edges": self._edges, "connectivity": self.vertices.connectivity}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         self._edges = np.array(arrays["edges"])
-        self.vertices.position0 = np.array(arrays["position0"])
+        self._by_id = np.argsort(self.particles.id)
+        self.vertices.connectivity = np.array(arrays["connectivity"])
+        self.vertices.link()
         self.update_domains()
 
 
 class ConvectedVertices(VertexMapping):
-    """Corners that move with the grid velocity and are shared by neighbours (S, section 3)."""
+    """Corners that move with the grid velocity and are shared by neighbours (S, section 3).
 
-    def __init__(self, setting: Setting, enriched: np.ndarray) -> None:
+    A domain that turns over ends the run, or falls back to a parallelepiped of its own that follows
+    F (CPDI1), as ``on_inversion`` says; ``fallen`` lists the particles that have fallen back.
+    """
+
+    def __init__(self, setting: Setting, enriched: np.ndarray, on_inversion: str) -> None:
+        self.dim, self._on_inversion = setting.grid.dim, on_inversion
+        self._edges = np.ascontiguousarray(setting.domains_edges)
+        self._shared = len(setting.vertices)
+        self.fallen = np.zeros(0, dtype=np.int64)
         vertices = Vertices(setting.vertices, setting.connectivity, setting.kind)
         vertices.enrich(enriched)
         super().__init__(setting, vertices)
 
     def update_domains(self) -> None:
-        p, v = self.particles, self.vertices
-        turned = first_fault(
-            self.team,
-            len(p),
-            lambda a, b: corner_weights(a, b, v.kind, v.connectivity, v.position, v.weights, p.position),
-        )
-        if turned >= 0:
-            raise ParticleError(
-                turned,
-                "its domain turned over (a corner Jacobian is not positive); refine, shorten the step,"
-                " or use cpdi1, whose domains can't",
+        p = self.particles
+        own = p.position[self.fallen]
+        while True:
+            v = self.vertices
+            parallelepipeds(
+                0, len(self.fallen), self.fallen, self._shared, self.dim, p.position,
+                p.deformation_gradient, self._edges, v.position, v.weights,
+            )  # fmt: skip
+            turned = first_fault(
+                self.team,
+                len(p),
+                lambda a, b, v=v: corner_weights(
+                    a, b, v.kind, v.connectivity, v.position, v.weights, p.position
+                ),
             )
+            if turned < 0:
+                # A fallen domain is built around its particle: the centroid would only add rounding.
+                p.position[self.fallen[: len(own)]] = own
+                return
+            if self._on_inversion == "stop" or turned in self.fallen:
+                raise ParticleError(
+                    turned,
+                    "its domain turned over (a corner Jacobian is not positive); refine, shorten the"
+                    ' step, or let such domains fall back with on_inversion = "cpdi1"',
+                )
+            self._fall_back(turned)
+
+    def _fall_back(self, particle: int) -> None:
+        """Give a particle a parallelepiped of its own instead of shared corners."""
+        signs = SIGNS[: 2**self.dim] * (np.arange(3) < self.dim)
+        first = self.particles.position0[particle] + signs @ self._edges[particle]
+        self.vertices.detach(particle, first, KIND_OF_DIM[self.dim - 1])
+        self.fallen = np.append(self.fallen, particle)
+        self._slabs = Slabs(self.nodes, self.vertices.ordinary)
+
+    def permute(self, order: np.ndarray) -> None:
+        self._edges = np.ascontiguousarray(self._edges[order])
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        self.fallen = rank[self.fallen]
+        super().permute(order)
 
     def move_vertices(self, dt: float) -> None:
         v = self.vertices
@@ -86,14 +130,18 @@ class ConvectedVertices(VertexMapping):
 
     def state(self) -> dict[str, np.ndarray]:
         v = self.vertices
-        return {"corners": v.position, "connectivity": v.connectivity, "kind": v.kind}
+        return {
+            "corners": v.position, "corners0": v.position0, "connectivity": v.connectivity,
+            "kind": v.kind, "edges": self._edges, "fallen": self.fallen,
+        }  # fmt: skip
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        v = self.vertices
-        v.position, v.connectivity, v.kind = (
-            np.array(arrays[k]) for k in ("corners", "connectivity", "kind")
-        )
-        v.link()
+        enriched = self.vertices.enriched
+        self._vertices = Vertices(arrays["corners0"], arrays["connectivity"], arrays["kind"])
+        self.vertices.position[:] = arrays["corners"]
+        self.vertices.enrich(enriched)
+        self._edges, self.fallen = np.array(arrays["edges"]), np.array(arrays["fallen"])
+        self._slabs = Slabs(self.nodes, self.vertices.ordinary)
         self.update_domains()
 
     def points(self) -> np.ndarray:
@@ -149,19 +197,35 @@ class CPDI1(Interpolation):
         return StretchedVertices(setting)
 
 
+def check_policy(method: str, on_inversion: str) -> None:
+    """Raise InputError if a policy for domains that turn over does not exist."""
+    if on_inversion not in ("stop", "cpdi1"):
+        raise InputError(f'{method}: on_inversion = {on_inversion!r}; "stop" and "cpdi1" are allowed')
+
+
 @dataclass(frozen=True)
 class CPDI2(Interpolation):
     """Lines, quadrilaterals, hexahedra, triangles, tetrahedra whose corners move (S, section 3).
 
     Neighbouring domains share corners, so there are no gaps; weights are exact integrals.
+
+    Parameters
+    ----------
+    on_inversion
+        What becomes of a domain that turns over: ``"stop"`` ends the run with the particle's id,
+        ``"cpdi1"`` gives it a parallelepiped of its own that follows F; such particles are counted.
     """
 
+    on_inversion: str = "stop"
     uses_vertices: ClassVar[bool] = True
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "sadeghirad2011", "sadeghirad2013")
+
+    def __post_init__(self) -> None:
+        check_policy("CPDI2", self.on_inversion)
 
     @property
     def name(self) -> str:
         return "cpdi2"
 
     def bind(self, setting: Setting) -> Mapping:
-        return ConvectedVertices(setting, np.zeros(0, dtype=np.int64))
+        return ConvectedVertices(setting, np.zeros(0, dtype=np.int64), self.on_inversion)

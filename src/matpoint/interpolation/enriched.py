@@ -9,7 +9,7 @@ import numpy as np
 
 from matpoint.errors import InputError
 from matpoint.interpolation.contract import Interpolation, Mapping, Setting
-from matpoint.interpolation.cpdi import ConvectedVertices
+from matpoint.interpolation.cpdi import ConvectedVertices, check_policy
 
 
 def interface_vertices(connectivity: np.ndarray, material: np.ndarray, count: int, layers: int) -> np.ndarray:
@@ -56,6 +56,8 @@ class EnrichedCPDI2(Interpolation):
     layers
         0 enriches the vertices shared by particles of different materials; n also those of the n
         nearest layers of particles on both sides.
+    on_inversion
+        As for :class:`~matpoint.interpolation.cpdi.CPDI2`.
 
     Raises
     ------
@@ -64,12 +66,14 @@ class EnrichedCPDI2(Interpolation):
     """
 
     layers: int = 0
+    on_inversion: str = "stop"
     uses_vertices: ClassVar[bool] = True
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "sadeghirad2011", "sadeghirad2013")
 
     def __post_init__(self) -> None:
         if isinstance(self.layers, bool) or not isinstance(self.layers, int) or self.layers < 0:
             raise InputError(f"EnrichedCPDI2: layers = {self.layers!r} must be a whole number, 0 or more")
+        check_policy("EnrichedCPDI2", self.on_inversion)
 
     @property
     def name(self) -> str:
@@ -79,4 +83,4 @@ class EnrichedCPDI2(Interpolation):
         chosen = interface_vertices(
             setting.connectivity, setting.particles.material, len(setting.vertices), self.layers
         )
-        return ConvectedVertices(setting, chosen)
+        return ConvectedVertices(setting, chosen, self.on_inversion)

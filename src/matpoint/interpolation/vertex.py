@@ -17,11 +17,9 @@ _PAD = 2  # cells beyond the box, where corners of domains may reach
 class VertexMapping(Mapping):
     """Two-level transfers; a subclass says how vertices come about and how domains advance."""
 
-    vertices: Vertices
-
     def __init__(self, setting: Setting, vertices: Vertices) -> None:
         grid = setting.grid
-        self.particles, self.team, self.vertices = setting.particles, setting.team, vertices
+        self.particles, self.team, self._vertices = setting.particles, setting.team, vertices
         self.nodes = Nodes([hat_axis(grid, k, _PAD, _PAD) for k in range(grid.dim)], len(vertices.enriched))
         self.position_next = self.particles.position.copy()
         self.bounds = wide_bounds(grid)
@@ -31,6 +29,11 @@ class VertexMapping(Mapping):
             self._corner_bounds[1][k] += _PAD * grid.cell[k]
         self._slabs = Slabs(self.nodes, vertices.ordinary)
         self.update_domains()
+
+    @property
+    def vertices(self) -> Vertices:
+        """The corners of all domains."""
+        return self._vertices
 
     def update_domains(self) -> None:
         """Bring corner positions, corner weights and centroids in line; raise ParticleError."""
@@ -48,7 +51,8 @@ class VertexMapping(Mapping):
             self.team, len(corners), lambda a, b: find_outside(corners, a, b, *self._corner_bounds)
         )
         if lost >= 0:
-            owner = int(self.vertices.slots[self.vertices.pointer[lost]]) // self.vertices.weights.shape[1]
+            v = self.vertices
+            owner = int(v.slots[min(v.pointer[lost], len(v.slots) - 1)]) // v.connectivity.shape[1]
             raise ParticleError(owner, f"a corner of its domain is more than {_PAD} cells out of the grid")
         self._slabs.renew(corners)
 

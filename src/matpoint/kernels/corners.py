@@ -166,15 +166,17 @@ def corner_weights(start, stop, kind, corners, x, weights, position):
 
 
 @kernel
-def parallelepipeds(start, stop, dim, position, F, edges, x, weights):
+def parallelepipeds(start, stop, index, first, dim, position, F, edges, x, weights):
     """Corners x_p + sum s_k r_k with r_k = F r_k0 (S 16) and their weights (S 18, 19) for CPDI1.
 
     ``edges[p, k]`` are initial half edge vectors; those of missing axes have length 1/2, so that
-    V = 8 r1 . (r2 x r3) serves every dimension. Corner c of particle p is vertex p * 2^dim + c.
+    V = 8 r1 . (r2 x r3) serves every dimension. Corner c of the q-th particle of ``index`` is vertex
+    first + q * 2^dim + c.
     """
     count = 2**dim
     fold = 2.0 ** (3 - dim)
-    for p in range(start, stop):
+    for q in range(start, stop):
+        p, vertex = index[q], first + q * count
         r = (0.0,) * 9
         for k in range(3):
             e0, e1, e2 = edges[p, k, 0], edges[p, k, 1], edges[p, k, 2]
@@ -188,6 +190,6 @@ def parallelepipeds(start, stop, dim, position, F, edges, x, weights):
             v = SIGNS[c, 1] if dim > 1 else 0.0
             w = SIGNS[c, 2] if dim > 2 else 0.0
             for a in range(3):
-                x[p * count + c, a] = position[p, a] + u * r[a] + v * r[3 + a] + w * r[6 + a]
+                x[vertex + c, a] = position[p, a] + u * r[a] + v * r[3 + a] + w * r[6 + a]
                 weights[p, c, a + 1] = s * (u * e[0][a] + v * e[1][a] + w * e[2][a])
             weights[p, c, 0] = 1.0 / count

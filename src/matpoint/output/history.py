@@ -124,7 +124,7 @@ class Recorder:
         if len(self._ids):
             where[sim.particles.id] = np.arange(len(where))
         values = [sim.quantity(name) for name in self.quantities]
-        values += [probe.read(sim, where[i]) for probe, i in zip(self.probes, self._ids, strict=True)]
+        values += [probe.read(sim, int(where[i])) for probe, i in zip(self.probes, self._ids, strict=True)]
         self.rows.append((sim.step, sim.time, *values))
 
     def close(self, sim: Simulation, error: BaseException | None) -> None:

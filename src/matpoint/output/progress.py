@@ -71,8 +71,8 @@ class Progress:
         speed = steps * len(sim.particles) / wall if wall > 0 else 0.0
         left = wall * (1.0 - share) / share if share > 0 else 0.0
         return (
-            f"step {sim.step}  t = {sim.time:.4g} s  dt = {sim.dt:.3g} s  {speed / 1e6:.3g} M particle-steps/s"
-            f"  {left:.0f} s left"
+            f"step {sim.step}  t = {sim.time:.4g} s  dt = {sim.dt:.3g} s"
+            f"  {speed / 1e6:.3g} M particle-steps/s  {left:.0f} s left"
         )
 
     def _open_bar(self) -> None:

@@ -1,7 +1,8 @@
 """Results over time in one VTKHDF file, which ParaView opens with its time slider.
 
 The format is VTK's own (docs.vtk.org, "VTKHDF file format", version 2.2): an unstructured grid with
-a ``Steps`` group of offsets. Topology is written once; points and fields are appended at each step.
+a ``Steps`` group of offsets. Points and fields are appended at each step; topology is written once,
+and again only if domains have changed their corners (those that fell back to CPDI1).
 """
 
 from __future__ import annotations
@@ -60,35 +61,25 @@ class VTKHDF:
         self.path, self.trigger = path, trigger
 
     def open(self, sim: Simulation) -> None:
-        """Create the file with the topology."""
-        connectivity, offsets, types = self._topology(sim)
+        """Create the file, still without steps."""
+        self._connectivity = np.zeros(0, dtype=np.int64)
+        self._block = {"PartOffsets": -1, "CellOffsets": 0, "ConnectivityIdOffsets": 0}
         try:
             with self._file("w") as file:
                 root = file.create_group("VTKHDF")
                 root.attrs["Version"] = np.array([2, 2])
                 root.attrs.create("Type", np.bytes_("UnstructuredGrid"))
-                for name, values in (("Connectivity", connectivity), ("Offsets", offsets), ("Types", types)):
-                    root.create_dataset(name, data=values, compression="gzip", compression_opts=1)
-                # One part for all steps: with a part offset that grows, readers shift the topology.
-                points = len(sim.particles) if sim.vertices is None else len(sim.vertices)
-                for name, count in (
-                    ("NumberOfPoints", points),
-                    ("NumberOfCells", len(types)),
-                    ("NumberOfConnectivityIds", len(connectivity)),
-                ):
-                    root.create_dataset(name, data=np.array([count]))
-                self._append(root, "Points", np.zeros((0, 3)))
                 root.create_group("PointData")
                 root.create_group("CellData")
                 steps = root.create_group("Steps")
                 steps.attrs["NSteps"] = 0
-                self._append(steps, "Values", np.zeros(0))
+                for group in ("PointDataOffsets", "CellDataOffsets"):
+                    steps.create_group(group)
         except OSError as error:
             raise InputError(f"vtk: {self.path} can't be written ({error.strerror or error})") from None
-        self._cells = len(types)
 
     def write(self, sim: Simulation) -> None:
-        """Append the present state: data first, then the step that names it."""
+        """Append the present state: data first, then the number of steps that counts it."""
         particles, cells = _fields(sim), {}
         if sim.vertices is None:
             points, point_data = sim.particles.ordered("position"), particles
@@ -103,25 +94,39 @@ class VTKHDF:
             root = file["VTKHDF"]
             steps = root["Steps"]
             number = int(steps.attrs["NSteps"])
-            row = {
-                "PointOffsets": number * len(points),
-                "CellOffsets": 0,
-                "ConnectivityIdOffsets": 0,
-                "PartOffsets": 0,
-                "NumberOfParts": 1,
-            }
-            self._truncate(root, number, len(points), self._cells)
+            self._write_topology(root, sim, len(points))
+            row = {**self._block, "NumberOfParts": 1, "PointOffsets": self._length(root, "Points")}
             self._append(root, "Points", points)
             for group, data in (("PointData", point_data), ("CellData", cells)):
                 for name, values in data.items():
+                    offset = np.array([self._length(root[group], name)])
                     self._append(root[group], name, values)
-                    offset = np.array([number * len(values)])
-                    self._append(steps.require_group(f"{group}Offsets"), name, offset)
+                    self._append(steps[f"{group}Offsets"], name, offset)
             for name, value in row.items():
                 shape = (1, 1) if name in ("CellOffsets", "ConnectivityIdOffsets") else (1,)
                 self._append(steps, name, np.full(shape, value))
             self._append(steps, "Values", np.array([sim.time]))
             steps.attrs["NSteps"] = number + 1
+
+    def _write_topology(self, root: Any, sim: Simulation, points: int) -> None:
+        """Append connectivity, offsets and types as a new part if they are not those written last."""
+        connectivity, offsets, types = self._topology(sim)
+        if np.array_equal(connectivity, self._connectivity):
+            return
+        self._connectivity = connectivity
+        self._block = {
+            "PartOffsets": self._block["PartOffsets"] + 1,
+            "CellOffsets": self._length(root, "Types"),
+            "ConnectivityIdOffsets": self._length(root, "Connectivity"),
+        }
+        for name, values in (("Connectivity", connectivity), ("Offsets", offsets), ("Types", types)):
+            self._append(root, name, values)
+        for name, count in (
+            ("NumberOfPoints", points),
+            ("NumberOfCells", len(types)),
+            ("NumberOfConnectivityIds", len(connectivity)),
+        ):
+            self._append(root, name, np.array([count]))
 
     def close(self, sim: Simulation, error: BaseException | None) -> None:
         """Nothing is left open between steps."""
@@ -154,22 +159,8 @@ class VTKHDF:
         data[start:] = values
 
     @staticmethod
-    def _truncate(root: Any, steps: int, points: int, cells: int) -> None:
-        """Drop what a step that did not get to its end may have left behind it."""
-
-        def cut(node: Any, length: int) -> None:
-            if len(node) > length:
-                node.resize(length, axis=0)
-
-        cut(root["Points"], steps * points)
-        for group, count in (("PointData", points), ("CellData", cells)):
-            for data in root[group].values():
-                cut(data, steps * count)
-            for data in root["Steps"].get(f"{group}Offsets", {}).values():
-                cut(data, steps)
-        for data in root["Steps"].values():
-            if hasattr(data, "resize"):
-                cut(data, steps)
+    def _length(group: Any, name: str) -> int:
+        return len(group[name]) if name in group else 0
 
     @staticmethod
     def _topology(sim: Simulation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from matpoint.simulation import Simulation
     from matpoint.timestep import TimeStep
 
-LENGTH, INTERFACE, DOMAINS = 9.0, 4.5, 18
+LENGTH, INTERFACE, CELL = 9.0, 4.5, 1.0  # [m]
+PER_CELL = 2
 STIFF, SOFT = 1e7, 5e6  # E1 = 2 E2 [Pa]
 SAMPLE = 10  # steps between two samples of the histories
 
@@ -35,9 +36,9 @@ class Track:
         [s], from 0.
     tip : ndarray, shape (t,)
         Displacement of particle A [m].
-    stress : ndarray, shape (t, 18)
+    stress : ndarray, shape (t, n)
         Axial Cauchy stress [Pa] of all domains, from the free end up.
-    centres : ndarray, shape (18,)
+    centres : ndarray, shape (n,)
         Their initial positions [m].
     """
 
@@ -49,15 +50,15 @@ class Track:
     @property
     def sigma_b(self) -> np.ndarray:
         """Stress [Pa] of B, the lowest domain above the interface, shape (t,)."""
-        return self.stress[:, DOMAINS // 2]
+        return self.stress[:, len(self.centres) // 2]
 
     @property
     def sigma_c(self) -> np.ndarray:
         """Stress [Pa] of C, the highest domain below the interface, shape (t,)."""
-        return self.stress[:, DOMAINS // 2 - 1]
+        return self.stress[:, len(self.centres) // 2 - 1]
 
     def profile(self, time: float) -> np.ndarray:
-        """Return the stresses [Pa] at the sample nearest to a time [s], shape (18,)."""
+        """Return the stresses [Pa] at the sample nearest to a time [s], shape (n,)."""
         return self.stress[int(np.argmin(np.abs(self.times - time)))]
 
 
@@ -101,14 +102,19 @@ class BimaterialBar(Problem):
     dim
         1, 2 or 3; in 2-D and 3-D the bar is one domain wide, between rollers.
 
+    refine
+        Cells per metre along the bar. Odd numbers keep the interface in the middle of a cell; even
+        ones put it on a grid line, where every method does well.
+
     Raises
     ------
     InputError
-        If either is something else.
+        If one of them is something else.
     """
 
     stiff: str = "above"
     dim: int = 1
+    refine: int = 1
 
     name: ClassVar[str] = "bimaterial-bar"
     title: ClassVar[str] = "Vibration of a bi-material bar under its own weight"
@@ -127,8 +133,15 @@ class BimaterialBar(Problem):
     def __post_init__(self) -> None:
         if self.stiff not in ("above", "below"):
             raise InputError(f'{self.name}: stiff = {self.stiff!r}; "above" and "below" are allowed')
-        if isinstance(self.dim, bool) or self.dim not in (1, 2, 3):
+        if isinstance(self.dim, bool) or not isinstance(self.dim, int) or self.dim not in (1, 2, 3):
             raise InputError(f"{self.name}: dim = {self.dim!r}; 1, 2 and 3 are allowed")
+        if isinstance(self.refine, bool) or not isinstance(self.refine, int) or self.refine < 1:
+            raise InputError(f"{self.name}: refine = {self.refine!r} must be a whole number >= 1")
+
+    @property
+    def domains(self) -> int:
+        """The number of particle domains along the bar."""
+        return round(LENGTH / CELL) * PER_CELL * self.refine
 
     @property
     def bar(self) -> LayeredBar:
@@ -141,7 +154,7 @@ class BimaterialBar(Problem):
         """Particle A at the free end; B above and C below the interface."""
         from matpoint.output.history import Probe  # noqa: PLC0415 (keeps the import of a case light)
 
-        half = 0.5 * LENGTH / DOMAINS
+        half = 0.5 * LENGTH / self.domains
         across = (0.5,) * (self.dim - 1)
         return (
             Probe("A", (half, *across), "displacement", "x"),
@@ -157,11 +170,11 @@ class BimaterialBar(Problem):
         timestep: TimeStep | None = None,
         threads: int | None = None,
     ) -> Simulation:
-        """Return the bar on its grid from x = -1 to 9 m, cells of 1 m."""
+        """Return the bar on its grid from x = -1 to 9 m, cells of 1 m / refine."""
         import matpoint as mp  # noqa: PLC0415 (keeps the import of a case light)
 
         bar, across = self.bar, self.dim - 1
-        half = (DOMAINS // 2, *(1,) * across)
+        half = (self.domains // 2, *(1,) * across)
         low, high = (0.0,) * across, (1.0,) * across
         meshes = (
             mp.mesh_box((0.0, *low), (INTERFACE, *high), half),
@@ -173,7 +186,7 @@ class BimaterialBar(Problem):
         ]
         walls = [mp.Roller(mp.Plane(axis, at)) for axis in (1, 2)[:across] for at in (0.0, 1.0)]
         return mp.Simulation(
-            mp.Grid((-1.0, *low), (LENGTH, *high), 1.0),
+            mp.Grid((-CELL, *low), (LENGTH, *high), (CELL / self.refine, *high)),
             bodies,
             interpolation=interpolation,
             scheme=scheme,
@@ -193,7 +206,7 @@ class BimaterialBar(Problem):
         end
             [s]; None takes the problem's own.
         choices
-            For :meth:`simulation`; one thread unless told otherwise (18 particles).
+            For :meth:`simulation`; one thread unless told otherwise (few particles).
         """
         sim = self.simulation(interpolation, **{"threads": 1, **choices})
         watch = _Watch()
@@ -206,7 +219,7 @@ class BimaterialBar(Problem):
         from matpoint.reference.fem_bar import fem_bar  # noqa: PLC0415 (loads scikit-fem)
 
         end = self.end if end is None else end
-        run = fem_bar(self.bar, end=end, step=self.step, elements=DOMAINS, every=SAMPLE)
+        run = fem_bar(self.bar, end=end, step=self.step, elements=self.domains, every=SAMPLE)
         return Track(run.times, run.at(run.centres[0]), run.stress, run.centres)
 
     def verify(

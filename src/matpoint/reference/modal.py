@@ -51,7 +51,7 @@ def natural_frequencies(bar: LayeredBar, count: int) -> np.ndarray:
         target = (n + 0.5) * np.pi
         # The phase differs from w * travel by psi - theta, which is less than pi/2.
         low, high = max(target - 0.5 * np.pi, 0.0) / travel, (target + 0.5 * np.pi) / travel
-        roots.append(brentq(lambda w, goal: _phase(w, bar)[1] - goal, low, high, args=(target,), rtol=1e-14))
+        roots.append(brentq(lambda w, goal: _phase(w, bar)[1] - goal, low, high, args=(target,), xtol=1e-12))
     return np.array(roots)
 
 
@@ -95,6 +95,10 @@ class ModalBar:
         """The longest period [s]."""
         return float(2 * np.pi / self.frequencies[0])
 
+    def _is_below(self, X: np.ndarray) -> np.ndarray:
+        interface = self.bar.interface
+        return interface > X
+
     def _modulus(self, X: np.ndarray) -> np.ndarray:
         lam, mu = self.bar.lame(X)
         return lam + 2 * mu
@@ -109,7 +113,7 @@ class ModalBar:
         static = top + weight * (bar.interface**2 - np.minimum(X, bar.interface) ** 2) / (2 * below)
         lower = np.cos(np.outer(X, self._k_b))
         upper = self._R * np.cos(self._psi + np.outer(X - bar.interface, self._k_t))
-        shapes = np.where((X < bar.interface)[:, None], lower, upper)
+        shapes = np.where(self._is_below(X)[:, None], lower, upper)
         return static - np.cos(np.outer(times, self.frequencies)) @ (self._amplitude * shapes).T
 
     def stress(self, X: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -119,5 +123,5 @@ class ModalBar:
         static = -bar.density * bar.gravity * X
         lower = -self._k_b * np.sin(np.outer(X, self._k_b))
         upper = -self._k_t * self._R * np.sin(self._psi + np.outer(X - bar.interface, self._k_t))
-        slopes = np.where((X < bar.interface)[:, None], lower, upper) * self._modulus(X)[:, None]
+        slopes = np.where(self._is_below(X)[:, None], lower, upper) * self._modulus(X)[:, None]
         return static - np.cos(np.outer(times, self.frequencies)) @ (self._amplitude * slopes).T
