@@ -104,7 +104,7 @@ class BimaterialBar(Problem):
 
     refine
         Cells per metre along the bar. Odd numbers keep the interface in the middle of a cell; even
-        ones put it on a grid line, where every method does well.
+        ones put it on a grid line, where every method sees it.
 
     Raises
     ------

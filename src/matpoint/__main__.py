@@ -1,0 +1,5 @@
+"""``python -m matpoint``."""
+
+from matpoint.cli import main
+
+main()

@@ -1,0 +1,9 @@
+"""Case files: TOML tables checked by a schema, and what is made of them."""
+
+from __future__ import annotations
+
+from matpoint.case.build import build_simulation, build_writers, make_problem
+from matpoint.case.load import Case, bundled_cases, load
+from matpoint.case.schema import CaseTable
+
+__all__ = ["Case", "CaseTable", "build_simulation", "build_writers", "bundled_cases", "load", "make_problem"]

@@ -1,0 +1,128 @@
+"""Reading a case: a file or a bundled name, with overrides."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from matpoint.case.describe import did_you_mean, first_problem
+from matpoint.case.schema import CaseTable
+from matpoint.errors import InputError
+
+_LARGEST = 50_000_000  # bytes of a case file
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case that has been read and checked table by table.
+
+    Attributes
+    ----------
+    name
+        The bundled name, or the file's name without its ending.
+    tables
+        Its tables.
+    """
+
+    name: str
+    tables: CaseTable
+
+
+def bundled_cases() -> dict[str, str]:
+    """Return the bundled cases: name -> text."""
+    folder = resources.files("matpoint.case").joinpath("bundled")
+    found = {f.name.removesuffix(".toml"): f for f in folder.iterdir() if f.name.endswith(".toml")}
+    return {name: found[name].read_text(encoding="utf-8") for name in sorted(found)}
+
+
+def _read(case: str) -> tuple[str, str]:
+    """The name and text of a case; a file wins over a bundled name only if it looks like a path."""
+    bundled = bundled_cases()
+    if case in bundled:
+        return case, bundled[case]
+    path = Path(case)
+    try:
+        if path.is_file():
+            if path.stat().st_size > _LARGEST:
+                raise InputError(f"case {case}: the file is larger than {_LARGEST // 10**6} MB")
+            return path.stem, path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise InputError(f"case {case}: the file can't be read ({error})") from None
+    raise InputError(
+        f"case {case!r} is neither a file nor a bundled case{did_you_mean(case, bundled)};"
+        f" bundled are {', '.join(bundled)}"
+    )
+
+
+def _parse(text: str, where: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise InputError(f"{where}: not valid TOML ({error})") from None
+
+
+def _value(text: str) -> Any:
+    """A value as TOML writes it; a bare word is a string."""
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError):
+        return text
+    return parsed["value"] if set(parsed) == {"value"} else text
+
+
+def _override(content: dict[str, Any], setting: str) -> None:
+    """Apply one ``table.key=value``."""
+    path, equals, text = setting.partition("=")
+    steps = [s.strip() for s in path.split(".")]
+    if not equals or not all(steps):
+        raise InputError(f"--set {setting!r}: write it as table.key=value")
+    place: Any = content
+    for step, after in zip(steps, [*steps[1:], None], strict=True):
+        key: Any = step
+        if isinstance(place, list):
+            if not step.isdigit() or int(step) >= len(place):
+                raise InputError(f"--set {setting!r}: {step!r} must be a number from 0 to {len(place) - 1}")
+            key = int(step)
+        elif not isinstance(place, dict):
+            raise InputError(f"--set {setting!r}: {step!r} lies below a value, not a table")
+        if after is None:
+            place[key] = _value(text.strip())
+        elif isinstance(place, dict):
+            place = place.setdefault(key, {})
+        else:
+            place = place[key]
+
+
+def load(case: str, overrides: Sequence[str] = ()) -> Case:
+    """Read a case and check its tables.
+
+    Parameters
+    ----------
+    case
+        A file, or the name of a bundled case.
+    overrides
+        Settings as ``table.key=value``, values as in TOML or bare words; entries of lists by their
+        number from 0, for instance ``bodies.0.per_cell=3``.
+
+    Raises
+    ------
+    InputError
+        With the table and key, the value, and what is allowed.
+    """
+    name, text = _read(str(case))
+    content = _parse(text, f"case {case}")
+    for setting in overrides:
+        _override(content, setting)
+    try:
+        tables = CaseTable.model_validate(content)
+    except ValidationError as error:
+        raise InputError(f"case {case}: {first_problem(error, CaseTable)}") from None
+    except RecursionError:
+        raise InputError(f"case {case}: its tables are nested too deeply") from None
+    return Case(name, tables)

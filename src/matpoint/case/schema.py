@@ -1,0 +1,178 @@
+"""The tables of a case file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic_core import CoreSchema
+
+from matpoint.case.shapes import MeshTable, RegionTable, Table, Vector
+
+Formula = Annotated[str, Field(max_length=500)]
+Component = float | Formula
+
+
+class GridTable(Table):
+    """The background grid."""
+
+    lower: Vector
+    upper: Vector
+    cell: float | Vector
+
+
+class MaterialTable(BaseModel):
+    """A material: ``law`` and its parameters."""
+
+    model_config = ConfigDict(extra="allow", strict=True, frozen=True, allow_inf_nan=False)
+
+    law: str
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Describe the built-in laws, so that editors complete their parameters; plugins may add others."""
+        from matpoint.case.describe import material_schemas  # noqa: PLC0415 (only for `schema`)
+
+        return {"anyOf": [*material_schemas(), handler.resolve_ref_schema(handler(core))]}
+
+
+class BodyTable(Table):
+    """A region or a mesh of one material."""
+
+    material: str
+    name: str = ""
+    region: RegionTable | None = None
+    mesh: MeshTable | None = None
+    per_cell: int | Annotated[list[int], Field(min_length=1, max_length=3)] = 2
+    velocity: Annotated[list[Component], Field(min_length=1, max_length=3)] = [0.0]
+
+
+class InterpolationTable(Table):
+    """The method, and its own options."""
+
+    method: str
+    layers: int | None = None
+    stretch: str | None = None
+    on_inversion: str | None = None
+
+
+class SchemeTable(Table):
+    """The order of stages and the velocity transfer."""
+
+    order: Literal["usl", "usf", "musl"] = "usl"
+    transfer: Literal["flip", "pic", "apic"] = "flip"
+    blend: float | None = None
+
+
+class PlaneTable(Table):
+    """A grid plane."""
+
+    axis: Literal["x", "y", "z"]
+    at: float
+    side: Literal["lower", "upper"] | None = None
+
+
+class BoundaryTable(Table):
+    """A condition on the velocity of nodes, on a plane or in a region."""
+
+    kind: Literal["fixed", "roller", "symmetry", "velocity"]
+    plane: PlaneTable | None = None
+    region: RegionTable | None = None
+    normal: Vector | None = None
+    velocity: Annotated[list[Component], Field(min_length=1, max_length=3)] | None = None
+
+
+class LoadTable(Table):
+    """Gravity (numbers, a ramp, a history) or a body force (expressions of X, Y, Z, x, y, z, t)."""
+
+    kind: Literal["gravity", "body-force"]
+    value: Annotated[list[Component], Field(min_length=1, max_length=3)]
+    ramp: float = 0.0
+    history: Formula | None = None
+
+
+class DampingTable(Table):
+    """Mass-proportional (``rate``) or local damping (``factor``)."""
+
+    kind: Literal["none", "mass", "local"]
+    rate: float | None = None
+    factor: float | None = None
+
+
+class TimeTable(Table):
+    """End time, and a fixed ``step`` or a share ``cfl`` of the stable one."""
+
+    end: float
+    step: float | None = None
+    cfl: float | None = None
+    largest: float | None = None
+    allow_unstable: bool = False
+
+
+class TriggerTable(Table):
+    """When something is written: exactly one of the three."""
+
+    every_steps: int | None = None
+    every_time: float | None = None
+    at: list[float] | None = None
+
+
+class ProbeTable(Table):
+    """A particle to follow."""
+
+    name: str
+    at: Vector
+    field: str = "displacement"
+    component: str = "x"
+
+
+class HistoryTable(TriggerTable):
+    """Quantities and particles over time, in history.csv."""
+
+    quantities: list[str] = []
+    probes: list[ProbeTable] = []
+    figure: bool = False
+
+
+class FigureTable(TriggerTable):
+    """Pictures of the particles; without a trigger at the end only."""
+
+    colour: str = "von_mises"
+    name: str = "particles"
+
+
+class OutputTable(Table):
+    """What a run writes besides its summary."""
+
+    vtk: TriggerTable | None = None
+    history: HistoryTable | None = None
+    checkpoint: TriggerTable | None = None
+    figures: list[FigureTable] = []
+
+
+class ProblemTable(BaseModel):
+    """A verification problem by name, with its parameters."""
+
+    model_config = ConfigDict(extra="allow", strict=True, frozen=True, allow_inf_nan=False)
+
+    name: str
+
+
+class CaseTable(Table):
+    """A case: all that a run needs.
+
+    A case with a ``problem`` takes grid, materials, bodies, boundaries, loads and damping from it.
+    """
+
+    title: str = ""
+    interpolation: InterpolationTable
+    time: TimeTable
+    grid: GridTable | None = None
+    materials: dict[str, MaterialTable] = {}
+    bodies: list[BodyTable] = []
+    scheme: SchemeTable = SchemeTable()
+    boundaries: list[BoundaryTable] = []
+    loads: list[LoadTable] = []
+    damping: DampingTable | None = None
+    output: OutputTable = OutputTable()
+    problem: ProblemTable | None = None

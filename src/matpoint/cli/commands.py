@@ -1,0 +1,192 @@
+"""The commands; each imports what it needs when it runs."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import App, Parameter
+
+from matpoint._version import __version__
+
+app = App(
+    name="matpoint",
+    help="The Material Point Method: CPDI2 and its enrichment, GIMP, B-splines, and proof for all of them.",
+    version=__version__,
+)
+
+Settings = Annotated[
+    list[str],
+    Parameter(name="--set", negative=(), help="Override a value: table.key=value (may be repeated)."),
+]
+Plugin = Annotated[
+    list[Path],
+    Parameter(name="--plugin", negative=(), help="A Python file that registers materials. It is run."),
+]
+Out = Annotated[Path | None, Parameter(name="--out", help="Output folder; default results/<case>.")]
+Threads = Annotated[int | None, Parameter(name="--threads", help="Number of threads; default all.")]
+Force = Annotated[
+    bool, Parameter(name="--force", negative=(), help="Write to a folder that holds something.")
+]
+
+
+def _load(case: str, settings: list[str], plugins: list[Path]) -> Any:
+    from matpoint.case import load  # noqa: PLC0415 (slow to import)
+    from matpoint.cli.plugins import load_plugin  # noqa: PLC0415
+
+    for plugin in plugins:
+        load_plugin(plugin)
+    return load(case, settings)
+
+
+@app.command
+def run(
+    case: str,
+    *,
+    out: Out = None,
+    set_: Settings = [],  # noqa: B006 (never changed)
+    threads: Threads = None,
+    force: Force = False,
+    plugin: Plugin = [],  # noqa: B006 (never changed)
+    restart: Annotated[Path | None, Parameter(name="--restart", help="Go on from a checkpoint.")] = None,
+    quiet: Annotated[bool, Parameter(name="--quiet", negative=(), help="Show no progress.")] = False,
+) -> None:
+    """Run a case and write its results.
+
+    Parameters
+    ----------
+    case
+        A TOML file, or the name of a bundled case (see ``matpoint list``).
+    """
+    from matpoint.case import build_simulation, build_writers  # noqa: PLC0415 (slow to import)
+    from matpoint.errors import InputError  # noqa: PLC0415
+    from matpoint.output import Progress, prepare_folder, resume  # noqa: PLC0415
+
+    read = _load(case, set_, plugin)
+    simulation = build_simulation(read, threads)
+    if restart is not None:
+        resume(simulation, restart)
+        if simulation.time >= read.tables.time.end:
+            raise InputError(
+                f"restart: the checkpoint is at {simulation.time:g} s; time.end = {read.tables.time.end:g} s"
+            )
+    folder = Path("results") / read.name if out is None else out
+    writers = build_writers(read, folder)
+    prepare_folder(folder, force)
+    try:
+        simulation.run(read.tables.time.end, writers, Progress(quiet))
+    finally:
+        for note in simulation.notes:
+            print(f"note: {note}", file=sys.stderr)
+    print(f"{read.name}: {simulation.step} steps to t = {simulation.time:g} s; results in {folder}")
+
+
+@app.command
+def verify(
+    case: str,
+    *,
+    json_: Annotated[bool, Parameter(name="--json", negative=(), help="Print one JSON object only.")] = False,
+    set_: Settings = [],  # noqa: B006 (never changed)
+    methods: Annotated[str | None, Parameter(name="--methods", help="Names, separated by commas.")] = None,
+    out: Out = None,
+    force: Force = False,
+) -> None:
+    """Run a problem by all methods, and measure them against its reference.
+
+    Parameters
+    ----------
+    case
+        A case with a ``[problem]``: a TOML file or a bundled name.
+    """
+    from matpoint.case import make_problem  # noqa: PLC0415 (slow to import)
+    from matpoint.errors import InputError  # noqa: PLC0415
+    from matpoint.output import prepare_folder  # noqa: PLC0415
+    from matpoint.output.summary import plain, write_json  # noqa: PLC0415
+
+    read = _load(case, set_, [])
+    if read.tables.problem is None:
+        raise InputError(f"case {case}: it has no [problem] to verify; use matpoint run")
+    problem = make_problem(read.tables.problem)
+    names = None if methods is None else problem.chosen([m.strip() for m in methods.split(",")])
+    folder = Path("results") / f"verify-{read.name}" if out is None and not json_ else out
+    if folder is not None:
+        prepare_folder(folder, force)
+
+    def announce(name: str, number: int, count: int) -> None:
+        print(f"[{number + 1}/{count}] {name}", file=sys.stderr, flush=True)
+
+    result = problem.verify(names, folder, announce)
+    if folder is not None:
+        write_json(folder / "verify.json", result)
+    if json_:
+        print(json.dumps(plain(result), allow_nan=False))
+        return
+    print(problem.table(result))
+    print(f"\nfigures and verify.json in {folder}")
+
+
+@app.command(name="list")
+def list_() -> None:
+    """List bundled cases, problems, interpolations, materials, schemes and quantities."""
+    from matpoint.cli.report import listing  # noqa: PLC0415 (slow to import)
+
+    print(listing())
+
+
+@app.command
+def explain(
+    case: str,
+    *,
+    set_: Settings = [],  # noqa: B006 (never changed)
+    plugin: Plugin = [],  # noqa: B006 (never changed)
+) -> None:
+    """Print what a step of a case does: stage, equation, arrays read, arrays written.
+
+    Parameters
+    ----------
+    case
+        A TOML file, or the name of a bundled case.
+    """
+    from matpoint.case import build_simulation  # noqa: PLC0415 (slow to import)
+    from matpoint.cli.report import explanation  # noqa: PLC0415
+
+    read = _load(case, set_, plugin)
+    print(explanation(read, build_simulation(read, threads=1)))
+
+
+@app.command
+def info() -> None:
+    """Print versions, threads, vector width and the cache folder."""
+    from matpoint.cli.report import information  # noqa: PLC0415 (slow to import)
+
+    print(information())
+
+
+@app.command
+def cite(
+    case: str,
+    *,
+    set_: Settings = [],  # noqa: B006 (never changed)
+    plugin: Plugin = [],  # noqa: B006 (never changed)
+) -> None:
+    """Print BibTeX entries of exactly the methods that a case uses.
+
+    Parameters
+    ----------
+    case
+        A TOML file, or the name of a bundled case.
+    """
+    from matpoint.case import build_simulation  # noqa: PLC0415 (slow to import)
+    from matpoint.citations import bibtex  # noqa: PLC0415
+
+    print(bibtex(build_simulation(_load(case, set_, plugin), threads=1).citation))
+
+
+@app.command
+def schema() -> None:
+    """Print the JSON schema of case files, for editors that complete and check them."""
+    from matpoint.case import CaseTable  # noqa: PLC0415 (slow to import)
+
+    print(json.dumps(CaseTable.model_json_schema(), indent=2))

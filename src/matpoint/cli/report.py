@@ -1,0 +1,88 @@
+"""The texts of ``list``, ``explain`` and ``info``."""
+
+from __future__ import annotations
+
+import platform
+import tomllib
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+from matpoint._version import __version__
+
+if TYPE_CHECKING:
+    from matpoint.case import Case
+    from matpoint.simulation import Simulation
+
+
+def _first_line(thing: Any) -> str:
+    return (thing.__doc__ or "").strip().splitlines()[0]
+
+
+def _block(title: str, rows: dict[str, str]) -> str:
+    width = max(len(name) for name in rows)
+    return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in rows.items())])
+
+
+def listing() -> str:
+    """Return everything that a case file can name, with a line on each."""
+    from matpoint.case import bundled_cases  # noqa: PLC0415 (slow to import)
+    from matpoint.interpolation import METHODS  # noqa: PLC0415
+    from matpoint.materials import MATERIALS  # noqa: PLC0415
+    from matpoint.problems import PROBLEMS  # noqa: PLC0415
+    from matpoint.quantities import QUANTITIES  # noqa: PLC0415
+    from matpoint.scheme import APIC, FLIP, PIC, SCHEMES  # noqa: PLC0415
+
+    cases = {name: tomllib.loads(text).get("title", "") for name, text in bundled_cases().items()}
+    blocks = {
+        "cases": cases,
+        "problems (matpoint verify)": {name: p.title for name, p in PROBLEMS.items()},
+        "interpolations": {name: _first_line(type(i)) for name, i in METHODS.items()},
+        "materials": {name: _first_line(m) for name, m in MATERIALS.items()},
+        "schemes": {name: _first_line(s) for name, s in SCHEMES.items()},
+        "transfers": {t.name: _first_line(t) for t in (FLIP, PIC, APIC)},
+        "quantities (output.history)": {
+            name: f"{q.description} [{q.unit}]" for name, q in QUANTITIES.items()
+        },
+    }
+    return "\n\n".join(_block(title, rows) for title, rows in blocks.items())
+
+
+def explanation(case: Case, sim: Simulation) -> str:
+    """Return what a case is and what a step of it does."""
+    from matpoint.timestep import stable_step  # noqa: PLC0415 (slow to import)
+
+    v = sim.vertices
+    sizes = f"{len(sim.particles)} particles, {sim.engine.mapping.nodes.on_grid} grid nodes"
+    if v is not None:
+        sizes += f", {len(v)} vertices, {len(v.enriched)} of them enriched"
+    head = {
+        "case": f"{case.name}: {case.tables.title}" if case.tables.title else case.name,
+        "method": f"{sim.interpolation.name}, {sim.interpolation!r}",
+        "scheme": f"{sim.scheme.name} with {sim.scheme.transfer!r}",
+        "materials": "; ".join(repr(m) for m in sim.materials),
+        "size": f"{sim.dim}-D, {sizes}",
+        "step": f"dt = {sim.dt:.4g} s, stable up to {stable_step(sim):.4g} s",
+    }
+    return _block("what", head) + "\n\nstages of a step\n" + sim.explain()
+
+
+def information() -> str:
+    """Return versions and what the machine gives."""
+    import llvmlite.binding as llvm  # noqa: PLC0415 (slow to import)
+
+    from matpoint.jit import cache_folder  # noqa: PLC0415
+    from matpoint.threads import available_threads  # noqa: PLC0415
+
+    features = llvm.get_host_cpu_features()
+    width = next((w for name, w in (("avx512f", 512), ("avx", 256)) if features.get(name)), 128)
+    rows = {"matpoint": __version__, "python": platform.python_version()}
+    for name in ("numpy", "scipy", "numba", "llvmlite", "h5py", "matplotlib", "scikit-fem", "vtk"):
+        try:
+            rows[name] = version(name)
+        except PackageNotFoundError:
+            rows[name] = "not installed"
+    rows["processor"] = llvm.get_host_cpu_name()
+    rows["threads"] = str(available_threads())
+    rows["vector width"] = f"{width} bits, {width // 64} float64 lanes"
+    rows["cache"] = str(cache_folder())
+    return _block("matpoint", rows)
