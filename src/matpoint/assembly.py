@@ -49,10 +49,10 @@ def _first_of_each(vertices: np.ndarray, parts: Sequence[Domains], offsets: np.n
     """The first vertex of the place of each vertex; only different bodies are joined."""
     from scipy.sparse import coo_array  # noqa: PLC0415 (slow to import)
     from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
-    from scipy.spatial import cKDTree  # noqa: PLC0415
+    from scipy.spatial import KDTree  # noqa: PLC0415
 
     tolerance = _TOLERANCE * min(_size(d) for d in parts)
-    trees = [cKDTree(d.vertices) for d in parts]
+    trees = [KDTree(d.vertices) for d in parts]
     rows, columns = [], []
     for a, b in combinations(range(len(parts)), 2):
         pairs = trees[a].sparse_distance_matrix(trees[b], tolerance, output_type="coo_matrix")
@@ -95,12 +95,12 @@ _FACES = {
 
 def _first_inside(points: np.ndarray, domains: Domains) -> np.ndarray | None:
     """The first point that lies in a domain, taken as the convex body of its faces' mean planes."""
-    from scipy.spatial import cKDTree  # noqa: PLC0415
+    from scipy.spatial import KDTree  # noqa: PLC0415
 
     x = domains.vertices[domains.cells]
     centres = domains.centroids()
     reach = float(np.sqrt(((x - centres[:, None]) ** 2).sum(axis=2).max()))
-    near = cKDTree(centres).query_ball_point(points, reach)
+    near = KDTree(centres).query_ball_point(points, reach)
     for point, candidates in zip(points, near, strict=True):
         if candidates and _inside(point, x[candidates], domains.kind).any():
             return point
@@ -110,7 +110,7 @@ def _first_inside(points: np.ndarray, domains: Domains) -> np.ndarray | None:
 def _inside(point: np.ndarray, x: np.ndarray, kind: Kind) -> np.ndarray:
     """Whether the point lies in each of the domains with corners x (m, corners, 3)."""
     if kind == Kind.LINE:
-        return (x[:, 0, 0] < point[0]) & (point[0] < x[:, 1, 0])
+        return np.asarray((x[:, 0, 0] < point[0]) & (point[0] < x[:, 1, 0]))
     if kind.dim == 2:
         edge, arm = np.roll(x, -1, axis=1) - x, point - x
         return (edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0] > 0).all(axis=1)

@@ -99,6 +99,11 @@ class Expression:
         else:
             raise self._error(f"uses {type(node).__name__}, which is not allowed")
 
+    @staticmethod
+    def _number(node: ast.Constant) -> float:
+        assert isinstance(node.value, int | float)  # _check has seen to it
+        return float(node.value)
+
     def _check_name(self, name: str) -> None:
         known = (*self.variables, *_CONSTANTS)
         if name not in known:
@@ -107,10 +112,9 @@ class Expression:
             raise self._error(f"uses {name!r}{hint}; {', '.join(known)} are allowed")
 
     def _check_power(self, node: ast.AST) -> None:
-        sign = 1.0
         while isinstance(node, ast.UnaryOp):
             node = node.operand
-        if not isinstance(node, ast.Constant) or abs(sign * float(node.value)) > _LARGEST_POWER:
+        if not isinstance(node, ast.Constant) or abs(self._number(node)) > _LARGEST_POWER:
             raise self._error(f"has a power that is not a number up to {_LARGEST_POWER:g}")
 
     def _check_call(self, node: ast.Call, depth: int) -> None:
@@ -124,7 +128,7 @@ class Expression:
 
     def _value(self, node: Any, values: dict[str, Any]) -> Any:
         if isinstance(node, ast.Constant):
-            return float(node.value)
+            return self._number(node)
         if isinstance(node, ast.Name):
             return values[node.id] if node.id in values else _CONSTANTS[node.id]
         if isinstance(node, ast.UnaryOp):

@@ -39,8 +39,8 @@ def run(arguments: list[str], folder: Path) -> str:
 
 
 def test_readme_begins_with_make_then_python_then_a_picture():
-    first = README.index("make demo"), README.index("make test"), README.index("```python"), README.index("![")
-    assert list(first) == sorted(first)
+    first = [README.index(sign) for sign in ("make demo", "make test", "```python", "![")]
+    assert first == sorted(first)
     assert len(blocks("python")[0].strip().splitlines()) <= 11  # ten lines and a blank one
 
 

@@ -125,7 +125,8 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
     for key in options:
         if key not in allowed:
             raise InputError(
-                f"interpolation.{key}: {table.method} has no such option; it has {', '.join(allowed) or 'none'}"
+                f"interpolation.{key}: {table.method} has no such option; it has"
+                f" {', '.join(allowed) or 'none'}"
             )
     return dataclasses.replace(choice, **options)
 
@@ -163,9 +164,8 @@ def make_condition(table: BoundaryTable, number: int, dim: int) -> Condition:
         return Symmetry(place)
     if table.velocity is None:
         raise InputError(f"{where}: kind = 'velocity' needs velocity = [...], one entry per axis")
-    return PrescribedVelocity(
-        place, tuple(_component(v, f"{where}.velocity[{k}]") for k, v in enumerate(table.velocity))
-    )
+    parts = [_component(v, f"{where}.velocity[{k}]") for k, v in enumerate(table.velocity)]
+    return PrescribedVelocity(place, tuple(parts))
 
 
 def _component(value: float | str, where: str) -> Any:

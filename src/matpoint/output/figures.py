@@ -51,7 +51,7 @@ def new_figure(
 
 def save(figure: Any, path: Path) -> Path:
     """Write a PNG."""
-    figure.savefig(path, dpi=150)
+    figure.savefig(path, dpi=150, bbox_inches="tight")
     return path
 
 
@@ -74,10 +74,58 @@ _COLOURS = {
 COLOURS = tuple(_COLOURS)
 
 
+# Faces of hexahedra and tetrahedra by corner, outward.
+_FACES = {
+    2: ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+    4: ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
+}
+
+
+def _outer_faces(sim: Simulation) -> tuple[list[np.ndarray], np.ndarray]:
+    """Corners of the faces that one domain alone has, and the domain of each."""
+    v = sim.vertices
+    assert v is not None
+    seen: dict[tuple[int, ...], tuple[np.ndarray, int]] = {}
+    for p, (row, kind) in enumerate(zip(v.connectivity, v.kind, strict=True)):
+        for face in _FACES[int(kind)]:
+            corners = row[list(face)]
+            key = tuple(sorted(corners.tolist()))
+            if key in seen:
+                del seen[key]
+            else:
+                seen[key] = corners, p
+    return [v.position[corners] for corners, _ in seen.values()], np.array([p for _, p in seen.values()])
+
+
+def _draw_3d(axes: Any, sim: Simulation, values: np.ndarray) -> Any:
+    """Outer faces of domains, or points; returns what the colour bar belongs to."""
+    p = sim.particles
+    low, high = p.position.min(axis=0), p.position.max(axis=0)
+    if sim.vertices is None:
+        drawn = axes.scatter(*p.position.T, c=values, s=6)
+    else:
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: PLC0415 (slow to import)
+
+        faces, owner = _outer_faces(sim)
+        drawn = Poly3DCollection(faces, array=values[owner], edgecolor="#33333355", linewidth=0.2)
+        axes.add_collection3d(drawn)
+        low, high = sim.vertices.position.min(axis=0), sim.vertices.position.max(axis=0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]), zlabel="z [m]")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(_few_ticks())
+    return drawn
+
+
+def _few_ticks() -> Any:
+    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 (slow to import)
+
+    return MaxNLocator(3)
+
+
 def draw_particles(sim: Simulation, path: Path, colour: str = "von_mises") -> Path:
     """Draw the particles where they are, coloured by a field.
 
-    Domains of the vertex family are drawn as they are, in 1-D and 3-D as points.
+    Domains of the vertex family are drawn as they are (in 3-D their outer faces), others as points.
 
     Raises
     ------
@@ -90,27 +138,24 @@ def draw_particles(sim: Simulation, path: Path, colour: str = "von_mises") -> Pa
     p, values = sim.particles, function(sim.particles)
     from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import)
 
-    figure = Figure(figsize=(7.0, 5.2), layout="constrained")
-    flat = sim.dim < 3
-    axes: Any = figure.add_subplot(projection=None if flat else "3d")
-    if sim.dim == 2 and sim.vertices is not None:
-        from matplotlib.collections import PolyCollection  # noqa: PLC0415
+    figure = Figure(figsize=(7.0, 5.2))
+    axes: Any = figure.add_subplot(projection="3d" if sim.dim == 3 else None)
+    if sim.dim == 3:
+        drawn: Any = _draw_3d(axes, sim, values)
+    elif sim.dim == 2 and sim.vertices is not None:
+        from matplotlib.collections import PolyCollection  # noqa: PLC0415 (slow to import)
 
         v = sim.vertices
         corners = [v.position[row[:n], :2] for row, n in zip(v.connectivity, v.count, strict=True)]
-        drawn: Any = PolyCollection(corners, array=values, edgecolor="face", linewidth=0.2)
+        drawn = PolyCollection(corners, array=values, edgecolor="face", linewidth=0.2)
         axes.add_collection(drawn)
         axes.autoscale()
-    elif sim.dim == 3:
-        # Vertical bars hang along z on paper, whatever the axis of gravity is called in the case.
-        drawn = axes.scatter(*p.position.T, c=values, s=6)
-        axes.set_zlabel("z [m]")
     else:
         size = float(np.clip(4000.0 / len(p), 1.0, 40.0))
         drawn = axes.scatter(p.position[:, 0], p.position[:, 1], c=values, s=size, linewidths=0)
     axes.set_aspect("equal" if sim.dim > 1 else "auto")
     axes.set(xlabel="x [m]", ylabel="y [m]", title=f"{sim.interpolation.name}, t = {sim.time:.4g} s")
-    figure.colorbar(drawn, ax=axes, label=label, shrink=0.8)
+    figure.colorbar(drawn, ax=axes, label=label, shrink=0.7, pad=0.12 if sim.dim == 3 else 0.03)
     return save(figure, path)
 
 
