@@ -23,8 +23,8 @@ from matpoint.particles import Particles
 from matpoint.threads import Team
 
 _INVERTED = (
-    "det F is not positive or the stress is not finite: the material turned inside out; a shorter step,"
-    " smaller loads or a finer grid may help"
+    "det F is not positive or the stress is not finite: the material turned inside out; the MUSL scheme,"
+    " a smoother interpolation (GIMP, CPDI), a shorter step or smaller loads may help"
 )
 
 

@@ -6,8 +6,9 @@ Written from the formulas alone, with dense matrices of weights: nothing of the 
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import BSpline
 
-METHODS = ("mpm", "ugimp", "cpgimp", "cpdi", "enriched-cpdi2")
+METHODS = ("mpm", "ugimp", "cpgimp", "bspline2", "bspline3", "cpdi", "enriched-cpdi2")
 CELL, LENGTH, INTERFACE, COUNT = 1.0, 9.0, 4.5, 18
 NODES = np.arange(-3.0, 13.0)  # more than the bar needs, for the long arms of GIMP
 DENSITY, POISSON, GRAVITY = 1050.0, 0.3, -10.0
@@ -34,6 +35,14 @@ def averaged(x: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return (hat_integral(high) - hat_integral(low)) / width, (hat(high)[0] - hat(low)[0]) / width
 
 
+def splines(x: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
+    """SciPy's B-splines over the grid from -1 m to the top, with open knots; the last one is 1 at the top."""
+    lines = np.arange(-1.0, LENGTH + 0.5)
+    knots = np.r_[[lines[0]] * degree, lines, [lines[-1]] * degree]
+    basis = BSpline(knots, np.eye(len(knots) - degree - 1), degree)
+    return basis(x), basis.derivative()(x)
+
+
 def run_bar(method: str, steps: int, dt: float, stiff: str = "above") -> dict[str, np.ndarray]:
     """Return the histories of position, velocity, stress and F, each of shape (steps, 18)."""
     edges = np.linspace(0.0, LENGTH, COUNT + 1)
@@ -53,6 +62,8 @@ def run_bar(method: str, steps: int, dt: float, stiff: str = "above") -> dict[st
             phi, slope = hat(x)
         elif method in ("ugimp", "cpgimp"):
             phi, slope = averaged(x, half0 if method == "ugimp" else half0 * F)
+        elif method.startswith("bspline"):
+            phi, slope = splines(x, int(method[-1]))
         else:
             # Corner weights: R = 1/2 and G = -1/V, 1/V; a last column for the enriched vertex.
             zeta[:, :-1] = hat(edges)[0]
@@ -68,7 +79,10 @@ def run_bar(method: str, steps: int, dt: float, stiff: str = "above") -> dict[st
         used = node_mass > 0.0
         safe = np.where(used, node_mass, 1.0)
         # The top is fixed: it stands at the start and at the end of the step.
-        used[: len(NODES)] &= NODES < LENGTH
+        if method.startswith("bspline"):
+            used[-1] = False
+        else:
+            used[: len(NODES)] &= NODES < LENGTH
         acceleration = np.where(used, force / safe, 0.0)
         next_velocity = np.where(used, momentum / safe, 0.0) + acceleration * dt
         v = v + phi @ acceleration * dt
