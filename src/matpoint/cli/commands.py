@@ -15,6 +15,7 @@ app = App(
     name="matpoint",
     help="The Material Point Method: CPDI2 and its enrichment, GIMP, B-splines, and proof for all of them.",
     version=__version__,
+    suppress_keyboard_interrupt=False,  # the exit says what it left
 )
 
 Settings = Annotated[
