@@ -75,14 +75,14 @@ def overlap(named: Sequence[tuple[str, Domains]]) -> None:
         If a centroid of one lies in a domain of another.
     """
     for (name_a, a), (name_b, b) in combinations(named, 2):
-        for (n1, one), (n2, two) in (((name_a, a), (name_b, b)), ((name_b, b), (name_a, a))):
+        for one, two in ((a, b), (b, a)):
             low, high = two.vertices.min(axis=0), two.vertices.max(axis=0)
             points = one.centroids()
             near = ((points >= low) & (points <= high)).all(axis=1)
             hit = _first_inside(points[near], two) if near.any() else None
             if hit is not None:
                 raise InputError(
-                    f"bodies {n1!r} and {n2!r} lie in one place, near"
+                    f"bodies {name_a!r} and {name_b!r} lie in one place, near"
                     f" ({', '.join(f'{c:g}' for c in hit[: one.dim])}) m; move one, or cut it out"
                 )
 
@@ -93,33 +93,40 @@ _FACES = {
 }
 
 
+_PAIRS = 1 << 18  # point-domain pairs looked at in one go
+
+
 def _first_inside(points: np.ndarray, domains: Domains) -> np.ndarray | None:
     """The first point that lies in a domain, taken as the convex body of its faces' mean planes."""
-    from scipy.spatial import KDTree  # noqa: PLC0415
+    from scipy.spatial import KDTree  # noqa: PLC0415 (slow to import)
 
     x = domains.vertices[domains.cells]
     centres = domains.centroids()
     reach = float(np.sqrt(((x - centres[:, None]) ** 2).sum(axis=2).max()))
-    near = KDTree(centres).query_ball_point(points, reach)
-    for point, candidates in zip(points, near, strict=True):
-        if candidates and _inside(point, x[candidates], domains.kind).any():
-            return point
+    tree = KDTree(centres)
+    for start in range(0, len(points), _PAIRS // 16):
+        some = points[start : start + _PAIRS // 16]
+        near = tree.query_ball_point(some, reach)
+        owner = np.repeat(np.arange(len(some)), [len(c) for c in near])
+        cells = np.concatenate([np.asarray(c, dtype=np.int64) for c in near])
+        hit = _inside(some[owner], x[cells], domains.kind)
+        if hit.any():
+            return some[owner[hit].min()]
     return None
 
 
 def _inside(point: np.ndarray, x: np.ndarray, kind: Kind) -> np.ndarray:
-    """Whether the point lies in each of the domains with corners x (m, corners, 3)."""
+    """Whether points (m, 3) lie in the domains with corners x (m, corners, 3), one by one."""
     if kind == Kind.LINE:
-        return np.asarray((x[:, 0, 0] < point[0]) & (point[0] < x[:, 1, 0]))
+        return np.asarray((x[:, 0, 0] < point[:, 0]) & (point[:, 0] < x[:, 1, 0]))
     if kind.dim == 2:
-        edge, arm = np.roll(x, -1, axis=1) - x, point - x
-        return (edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0] > 0).all(axis=1)
+        edge, arm = np.roll(x, -1, axis=1) - x, point[:, None] - x
+        return np.asarray((edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0] > 0).all(axis=1))
     inside = np.ones(len(x), dtype=bool)
     for face in _FACES[kind]:
         corners = x[:, list(face)]
         middle = corners.mean(axis=1)
-        normal = np.cross(corners - middle[:, None], np.roll(corners, -1, axis=1) - middle[:, None]).sum(
-            axis=1
-        )
+        spokes = corners - middle[:, None]
+        normal = np.cross(spokes, np.roll(spokes, -1, axis=1)).sum(axis=1)
         inside &= ((point - middle) * normal).sum(axis=1) < 0
     return inside
