@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import difflib
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -17,14 +17,20 @@ import numpy as np
 from matpoint.errors import InputError
 
 _LONGEST = 500  # characters
-_DEEPEST = 40  # nested operations
+_DEEPEST = 100  # nested operations; a sum of n terms is n deep
 _LARGEST_POWER = 64.0
+
+
+def _step(value: Any) -> Any:
+    """0 below zero, 1 from zero on."""
+    return np.where(np.asarray(value) >= 0.0, 1.0, 0.0)
+
 
 _FUNCTIONS: dict[str, tuple[Callable[..., Any], int]] = {
     "sin": (np.sin, 1), "cos": (np.cos, 1), "tan": (np.tan, 1), "atan2": (np.arctan2, 2),
     "sinh": (np.sinh, 1), "cosh": (np.cosh, 1), "tanh": (np.tanh, 1), "exp": (np.exp, 1),
     "log": (np.log, 1), "sqrt": (np.sqrt, 1), "abs": (np.abs, 1), "min": (np.minimum, 2),
-    "max": (np.maximum, 2), "where": (np.where, 3),
+    "max": (np.maximum, 2), "where": (np.where, 3), "step": (_step, 1),
 }  # fmt: skip
 _CONSTANTS = {"pi": np.pi}
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
@@ -33,6 +39,11 @@ _BINARY: dict[type, Callable[[Any, Any], Any]] = {
 _COMPARE: dict[type, Callable[[Any, Any], Any]] = {
     ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
 }  # fmt: skip
+
+
+def _hint(name: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(name, list(known), n=1)
+    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 class Expression:
@@ -51,8 +62,9 @@ class Expression:
     ------
     InputError
         If it can't be parsed, is too long or deep, or uses anything but numbers, the variables,
-        ``pi``, + - * / **, comparisons and the functions sin cos tan atan2 sinh cosh tanh exp log
-        sqrt abs min max where.
+        ``pi``, + - * / **, comparisons (1 if true, 0 if not) and the functions sin cos tan atan2
+        sinh cosh tanh exp log sqrt abs min max, where(condition, then, else) and step (0 below
+        zero, 1 from zero on). A power must be a number.
     """
 
     def __init__(self, text: str, variables: tuple[str, ...], where: str) -> None:
@@ -107,9 +119,7 @@ class Expression:
     def _check_name(self, name: str) -> None:
         known = (*self.variables, *_CONSTANTS)
         if name not in known:
-            near = difflib.get_close_matches(name, [*known, *_FUNCTIONS], n=1)
-            hint = f" (did you mean {near[0]!r}?)" if near else ""
-            raise self._error(f"uses {name!r}{hint}; {', '.join(known)} are allowed")
+            raise self._error(f"uses {name!r}{_hint(name, known)}; {', '.join(known)} are allowed")
 
     def _check_power(self, node: ast.AST) -> None:
         while isinstance(node, ast.UnaryOp):
@@ -120,7 +130,8 @@ class Expression:
     def _check_call(self, node: ast.Call, depth: int) -> None:
         name = node.func.id if isinstance(node.func, ast.Name) else ""
         if name not in _FUNCTIONS or node.keywords:
-            raise self._error(f"calls {name or 'something'!r}; {', '.join(_FUNCTIONS)} are allowed")
+            called = f"{name!r}{_hint(name, _FUNCTIONS)}" if name else "what has no plain name"
+            raise self._error(f"calls {called}; {', '.join(_FUNCTIONS)} are allowed, without keywords")
         if len(node.args) != _FUNCTIONS[name][1]:
             raise self._error(f"gives {name} {len(node.args)} arguments; it takes {_FUNCTIONS[name][1]}")
         for argument in node.args:
@@ -136,7 +147,8 @@ class Expression:
             return -operand if isinstance(node.op, ast.USub) else operand
         if isinstance(node, ast.Compare):
             left, right = self._value(node.left, values), self._value(node.comparators[0], values)
-            return _COMPARE[type(node.ops[0])](left, right)
+            # A number, not a bool: NumPy refuses - and unary - on those.
+            return np.where(_COMPARE[type(node.ops[0])](left, right), 1.0, 0.0)
         if isinstance(node, ast.Call):
             return _FUNCTIONS[node.func.id][0](*(self._value(a, values) for a in node.args))  # type: ignore[attr-defined]
         left, right = self._value(node.left, values), self._value(node.right, values)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from matpoint.body import Body
 from matpoint.case.describe import did_you_mean
 from matpoint.case.load import Case
+from matpoint.case.memory import check_memory
 from matpoint.case.objects import (
     make_condition,
     make_damping,
@@ -47,6 +48,8 @@ if TYPE_CHECKING:
     from matpoint.output import Writer
     from matpoint.problem import Problem
 
+_MOST_STEPS = 1e12
+
 
 def make_problem(table: ProblemTable) -> Problem:
     """Return the problem of a table.
@@ -77,8 +80,13 @@ def _problem_only(tables: CaseTable) -> None:
 
 
 def _check_end(tables: CaseTable) -> None:
-    if tables.time.end <= 0:
-        raise InputError(f"time.end = {tables.time.end:g} must lie after the start, 0 s")
+    end, step = tables.time.end, tables.time.step
+    if end <= 0:
+        raise InputError(f"time.end = {end:g} must lie after the start, 0 s")
+    if step is not None and step > 0 and end > _MOST_STEPS * step:
+        raise InputError(
+            f"time.end = {end:g} s in steps of {step:g} s makes more than {_MOST_STEPS:g} steps; too many"
+        )
 
 
 def build_simulation(case: Case, threads: int | None = None) -> Simulation:
@@ -108,9 +116,11 @@ def build_simulation(case: Case, threads: int | None = None) -> Simulation:
         raise InputError("grid: this table is missing (lower, upper, cell)")
     grid = Grid(tables.grid.lower, tables.grid.upper, tables.grid.cell)
     materials = {name: make_material(name, table) for name, table in tables.materials.items()}
+    bodies = [_body(body, number, materials, grid.dim) for number, body in enumerate(tables.bodies)]
+    check_memory(grid, bodies)
     return Simulation(
         grid,
-        [_body(body, number, materials, grid.dim) for number, body in enumerate(tables.bodies)],
+        bodies,
         interpolation=interpolation,
         scheme=scheme,
         timestep=timestep,

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import difflib
+import importlib
 import inspect
 import types
 import typing
 from collections.abc import Iterable
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, GetJsonSchemaHandler, ValidationError
+from pydantic_core import CoreSchema
 
 _KINDS = {float: "number", int: "integer", str: "string", bool: "boolean"}
+_WANTED = {
+    "float_type": "a number", "int_type": "a whole number", "string_type": "a text",
+    "bool_type": "true or false", "list_type": "a list", "dict_type": "a table", "model_type": "a table",
+    "finite_number": "a finite number", "string_too_long": "a shorter text", "string_too_short": "a text that is not empty",
+}  # fmt: skip
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -20,8 +27,28 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f" (did you mean {near[0]!r}?)" if near else ""
 
 
+class OneOf:
+    """Mark of a text that must be one of some names, listed in the JSON schema for editors.
+
+    The names are looked up only when the schema is printed: their modules are slow to import. The
+    check itself is made where the name is used.
+
+    Parameters
+    ----------
+    module, table
+        The registry whose keys, or items, are the names.
+    """
+
+    def __init__(self, module: str, table: str) -> None:
+        self.module, self.table = module, table
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        names = getattr(importlib.import_module(self.module), self.table)
+        return {**handler(core), "enum": list(names)}
+
+
 def material_schemas() -> list[dict[str, Any]]:
-    """Return the JSON schemas of the built-in materials, from their constructors."""
+    """Return the JSON schemas of the built-in materials, from their constructors, and of all others."""
     from matpoint.materials import MATERIALS  # noqa: PLC0415 (slow to import)
 
     schemas = []
@@ -39,7 +66,8 @@ def material_schemas() -> list[dict[str, Any]]:
             {"title": law, "type": "object", "properties": properties, "required": required,
              "additionalProperties": False}
         )  # fmt: skip
-    return schemas
+    other = {"law": {"type": "string", "not": {"enum": list(MATERIALS)}}}
+    return [*schemas, {"title": "a plugin's law", "type": "object", "properties": other, "required": ["law"]}]
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
@@ -77,27 +105,70 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 80 else text[:77] + "..."
 
 
-def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
-    """Return the first thing wrong: table and key, value, what is allowed."""
+def _place(location: tuple[int | str, ...], content: Any) -> str:
+    """Where in the file it is: pydantic's location without the names of the alternatives it tried."""
+    steps, here = [], content
+    for step in location:
+        inside = isinstance(here, dict) and step in here
+        if inside or (isinstance(here, list) and isinstance(step, int) and step < len(here)):
+            steps.append(str(step))
+            here = here[step]
+    return ".".join(steps)
+
+
+def _join(*steps: str) -> str:
+    return ".".join(step for step in steps if step)
+
+
+def _expected(problem: Any) -> str:
+    """What is allowed at the place of a problem, in plain words."""
+    kind, context = problem["type"], problem.get("ctx", {})
+    if kind in _WANTED:
+        return _WANTED[kind]
+    if kind in ("too_short", "too_long"):
+        bound = (
+            f"{context['min_length']} or more" if kind == "too_short" else f"at most {context['max_length']}"
+        )
+        return f"a list of {bound}"
+    return problem["msg"].removeprefix("Input should be ")
+
+
+def first_problem(error: ValidationError, model: type[BaseModel], content: Any) -> str:
+    """Return the first thing wrong: table and key, value, what is allowed.
+
+    Parameters
+    ----------
+    error
+        What pydantic found.
+    model
+        The table that was checked.
+    content
+        What was checked, as read from the file.
+    """
     found = error.errors(include_url=False)
     # An unknown key is the likeliest slip, and the message that helps most.
     problem = next((p for p in found if p["type"] == "extra_forbidden"), found[0])
     place, kind = problem["loc"], problem["type"]
-    where = ".".join(str(p) for p in place)
+    where, context = _place(place, content), problem.get("ctx", {})
     if kind == "extra_forbidden":
         allowed = _fields_at(model, place[:-1])
-        key = str(place[-1])
-        return f"{where}: unknown key{did_you_mean(key, allowed)}; allowed are {', '.join(allowed)}"
+        hint = did_you_mean(str(place[-1]), allowed)
+        return f"{where}: unknown key{hint}; allowed are {', '.join(allowed)}"
     if kind == "missing":
-        return f"{where}: this key is missing"
-    context = problem.get("ctx", {})
+        return f"{_join(where, str(place[-1]))}: this key is missing"
+    if kind == "union_tag_not_found":
+        return f"{where}.shape: this key is missing; it says which shape it is, such as 'box'"
     if kind == "union_tag_invalid":
-        tag = str(context.get("tag", ""))
-        expected = [e.strip().strip("'") for e in str(context.get("expected_tags", "")).split(",")]
+        tag, expected = str(context["tag"]), _listed(str(context["expected_tags"]))
         return f"{where}.shape = {tag!r}{did_you_mean(tag, expected)}; allowed are {', '.join(expected)}"
     if kind == "literal_error":
-        expected = [e.strip("' ") for e in str(context.get("expected", "")).replace(" or ", ",").split(",")]
+        expected = _listed(str(context["expected"]).replace(" or ", ","))
         hint = did_you_mean(str(problem["input"]), expected)
         return f"{where} = {_shown(problem['input'])}{hint}; allowed are {', '.join(expected)}"
-    message = problem["msg"].replace("Input should be", "must be")
-    return f"{where} = {_shown(problem['input'])}: {message[0].lower() + message[1:]}"
+    same = [p for p in found if _place(p["loc"], content) == where]
+    wanted = " or ".join(dict.fromkeys(_expected(p) for p in same))
+    return f"{where} = {_shown(problem['input'])}: must be {wanted}"
+
+
+def _listed(text: str) -> list[str]:
+    return [entry.strip("' ") for entry in text.split(",")]

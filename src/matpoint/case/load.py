@@ -86,8 +86,9 @@ def _override(content: dict[str, Any], setting: str) -> None:
     for step, after in zip(steps, [*steps[1:], None], strict=True):
         key: Any = step
         if isinstance(place, list):
-            if not step.isdigit() or int(step) >= len(place):
-                raise InputError(f"--set {setting!r}: {step!r} must be a number from 0 to {len(place) - 1}")
+            if not (step.isascii() and step.isdigit() and len(step) < 10 and int(step) < len(place)):
+                most = f"a number from 0 to {len(place) - 1}" if place else "left out: the list is empty"
+                raise InputError(f"--set {setting!r}: {step!r} must be {most}")
             key = int(step)
         elif not isinstance(place, dict):
             raise InputError(f"--set {setting!r}: {step!r} lies below a value, not a table")
@@ -97,6 +98,22 @@ def _override(content: dict[str, Any], setting: str) -> None:
             place = place.setdefault(key, {})
         else:
             place = place[key]
+
+
+def check(content: dict[str, Any], where: str) -> CaseTable:
+    """Return the tables of a case, given as TOML gives them.
+
+    Raises
+    ------
+    InputError
+        With ``where``, the table and key, the value, and what is allowed.
+    """
+    try:
+        return CaseTable.model_validate(content)
+    except ValidationError as error:
+        raise InputError(f"{where}: {first_problem(error, CaseTable, content)}") from None
+    except RecursionError:
+        raise InputError(f"{where}: its tables are nested too deeply") from None
 
 
 def load(case: str, overrides: Sequence[str] = ()) -> Case:
@@ -119,10 +136,4 @@ def load(case: str, overrides: Sequence[str] = ()) -> Case:
     content = _parse(text, f"case {case}")
     for setting in overrides:
         _override(content, setting)
-    try:
-        tables = CaseTable.model_validate(content)
-    except ValidationError as error:
-        raise InputError(f"case {case}: {first_problem(error, CaseTable)}") from None
-    except RecursionError:
-        raise InputError(f"case {case}: its tables are nested too deeply") from None
-    return Case(name, tables)
+    return Case(name, check(content, f"case {case}"))

@@ -27,6 +27,7 @@ from matpoint.case.shapes import (
     BoxMesh,
     BoxRegion,
     CombinedRegion,
+    ExtrusionMesh,
     HalfSpaceRegion,
     PolygonRegion,
 )
@@ -69,14 +70,15 @@ def make_region(table: Any) -> Region:
     raise InputError(f"region: {table!r} is not a region")
 
 
-def make_mesh(table: BoxMesh | AnnulusMesh | ArrayMesh) -> Domains:
+def make_mesh(table: BoxMesh | AnnulusMesh | ArrayMesh | ExtrusionMesh) -> Domains:
     """Return the domains of a mesh table."""
+    if isinstance(table, ExtrusionMesh):
+        return extrude(make_mesh(table.base), table.heights)
     if isinstance(table, BoxMesh):
         return mesh_box(table.lower, table.upper, table.divisions)
     if isinstance(table, AnnulusMesh):
         angles, centre = (table.angles[0], table.angles[1]), (table.centre[0], table.centre[1])
-        flat = mesh_annulus(table.inner, table.outer, table.divisions, angles, centre)
-        return flat if table.heights is None else extrude(flat, table.heights)
+        return mesh_annulus(table.inner, table.outer, table.divisions, angles, centre)
     widths = {len(row) for row in table.cells} | {0}
     if len(widths) > 2 or len({len(v) for v in table.vertices}) != 1:
         raise InputError("mesh: all vertices must have equally many numbers, and all cells too")
@@ -94,7 +96,7 @@ def make_material(name: str, table: MaterialTable) -> Material:
     parameters = dict(table.model_extra or {})
     for key, value in parameters.items():
         if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise InputError(f"materials.{name}.{key} = {value!r} must be a number")
+            raise InputError(f"materials.{name}.{key} = {value!r}: must be a number")
     try:
         return material_from(table.law, **parameters)
     except InputError as error:

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
 from pydantic_core import CoreSchema
 
+from matpoint.case.describe import OneOf
 from matpoint.case.shapes import MeshTable, RegionTable, Table, Vector
 
 Formula = Annotated[str, Field(max_length=500)]
@@ -33,7 +34,7 @@ class MaterialTable(BaseModel):
         """Describe the built-in laws, so that editors complete their parameters; plugins may add others."""
         from matpoint.case.describe import material_schemas  # noqa: PLC0415 (only for `schema`)
 
-        return {"anyOf": [*material_schemas(), handler.resolve_ref_schema(handler(core))]}
+        return {"anyOf": material_schemas()}
 
 
 class BodyTable(Table):
@@ -50,7 +51,7 @@ class BodyTable(Table):
 class InterpolationTable(Table):
     """The method, and its own options."""
 
-    method: str
+    method: Annotated[str, OneOf("matpoint.interpolation", "METHODS")]
     layers: int | None = None
     stretch: str | None = None
     on_inversion: str | None = None
@@ -120,16 +121,16 @@ class TriggerTable(Table):
 class ProbeTable(Table):
     """A particle to follow."""
 
-    name: str
+    name: Annotated[str, Field(min_length=1, max_length=80)]
     at: Vector
-    field: str = "displacement"
+    field: Annotated[str, OneOf("matpoint.output.history", "FIELDS")] = "displacement"
     component: str = "x"
 
 
 class HistoryTable(TriggerTable):
     """Quantities and particles over time, in history.csv."""
 
-    quantities: list[str] = []
+    quantities: list[Annotated[str, OneOf("matpoint.quantities", "QUANTITIES")]] = []
     probes: list[ProbeTable] = []
     figure: bool = False
 
@@ -155,7 +156,7 @@ class ProblemTable(BaseModel):
 
     model_config = ConfigDict(extra="allow", strict=True, frozen=True, allow_inf_nan=False)
 
-    name: str
+    name: Annotated[str, OneOf("matpoint.problems", "PROBLEMS")]
 
 
 class CaseTable(Table):

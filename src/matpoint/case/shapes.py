@@ -82,7 +82,7 @@ class BoxMesh(Table):
 
 
 class AnnulusMesh(Table):
-    """A ring in quadrilaterals; with ``heights`` [m] drawn along z to hexahedra."""
+    """A ring, or a sector of one, in quadrilaterals; angles in radians."""
 
     shape: Literal["annulus"]
     inner: float
@@ -90,7 +90,6 @@ class AnnulusMesh(Table):
     divisions: Annotated[list[int], Field(min_length=2, max_length=2)]
     angles: Pair = [0.0, 1.5707963267948966]
     centre: Pair = [0.0, 0.0]
-    heights: Annotated[list[float], Field(min_length=2)] | None = None
 
 
 class ArrayMesh(Table):
@@ -102,4 +101,12 @@ class ArrayMesh(Table):
     cells: list[list[int]]
 
 
-MeshTable = Annotated[BoxMesh | AnnulusMesh | ArrayMesh, Field(discriminator="shape")]
+class ExtrusionMesh(Table):
+    """A mesh of quadrilaterals drawn along z to hexahedra, through levels of z [m]."""
+
+    shape: Literal["extrusion"]
+    base: Annotated[BoxMesh | AnnulusMesh | ArrayMesh, Field(discriminator="shape")]
+    heights: Annotated[list[float], Field(min_length=2)]
+
+
+MeshTable = Annotated[BoxMesh | AnnulusMesh | ArrayMesh | ExtrusionMesh, Field(discriminator="shape")]

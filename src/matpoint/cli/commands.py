@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import App, Parameter
 
 from matpoint._version import __version__
+from matpoint.errors import InputError, RunError
 
 app = App(
     name="matpoint",
@@ -42,6 +44,22 @@ def _load(case: str, settings: list[str], plugins: list[Path]) -> Any:
     return load(case, settings)
 
 
+def _keep(inputs: Sequence[str | Path], folder: Path) -> None:
+    """Refuse an output folder that holds an input of this run: --force would clear it away."""
+    for given in inputs:
+        if Path(given).is_file() and folder.resolve() == Path(given).resolve().parent:
+            raise InputError(f"output: {folder} holds {given} itself; choose another folder with --out")
+
+
+def _only_problem(settings: Sequence[str]) -> None:
+    """Refuse settings that verify, which has its own methods and times, would pass over."""
+    for setting in settings:
+        if setting.split("=")[0].split(".")[0].strip() != "problem":
+            raise InputError(
+                f"--set {setting!r}: verify runs the problem's own methods and times; set problem.*"
+            )
+
+
 @app.command
 def run(
     case: str,
@@ -62,7 +80,6 @@ def run(
         A TOML file, or the name of a bundled case (see ``matpoint list``).
     """
     from matpoint.case import build_simulation, build_writers  # noqa: PLC0415 (slow to import)
-    from matpoint.errors import InputError  # noqa: PLC0415
     from matpoint.output import Progress, prepare_folder, resume  # noqa: PLC0415
 
     read = _load(case, set_, plugin)
@@ -75,9 +92,16 @@ def run(
             )
     folder = Path("results") / read.name if out is None else out
     writers = build_writers(read, folder)
+    _keep([case, *plugin], folder)
     prepare_folder(folder, force)
     try:
         simulation.run(read.tables.time.end, writers, Progress(quiet))
+    except OSError as error:  # the folder was fine at the start: the disk is full, or is gone
+        raise RunError(
+            f"{error.filename or folder}: {error.strerror or error}",
+            step=simulation.step,
+            time=simulation.time,
+        ) from None
     finally:
         for note in simulation.notes:
             print(f"note: {note}", file=sys.stderr)
@@ -102,10 +126,10 @@ def verify(
         A case with a ``[problem]``: a TOML file or a bundled name.
     """
     from matpoint.case import make_problem  # noqa: PLC0415 (slow to import)
-    from matpoint.errors import InputError  # noqa: PLC0415
     from matpoint.output import prepare_folder  # noqa: PLC0415
     from matpoint.output.summary import plain, write_json  # noqa: PLC0415
 
+    _only_problem(set_)
     read = _load(case, set_, [])
     if read.tables.problem is None:
         raise InputError(f"case {case}: it has no [problem] to verify; use matpoint run")
@@ -113,6 +137,7 @@ def verify(
     names = None if methods is None else problem.chosen([m.strip() for m in methods.split(",")])
     folder = Path("results") / f"verify-{read.name}" if out is None and not json_ else out
     if folder is not None:
+        _keep([case], folder)
         prepare_folder(folder, force)
 
     def announce(name: str, number: int, count: int) -> None:
