@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from cases import SMALL
 from matpoint.case import CaseTable, build_simulation, build_writers, bundled_cases, load, make_problem
+from matpoint.case.load import Case, check
 from matpoint.case.schema import ProblemTable
 from matpoint.errors import InputError
 from matpoint.interpolation import METHODS
@@ -111,7 +112,8 @@ def test_every_shape_of_mesh_and_region(case):
     flat = (
         "{shape='box', lower=[0.25,0.25], upper=[0.75,0.75], divisions=[2,3]}",
         "{shape='annulus', inner=0.2, outer=0.4, divisions=[2,5], centre=[0.5,0.5]}",
-        "{shape='arrays', kind='quad', vertices=[[0.25,0.5],[0.5,0.5],[0.5,0.75],[0.25,0.75]], cells=[[0,1,2,3]]}",
+        "{shape='arrays', kind='quad', vertices=[[0.25,0.5],[0.5,0.5],[0.5,0.75],[0.25,0.75]],"
+        " cells=[[0,1,2,3]]}",
     )
     for mesh, number in zip(flat, (6, 10, 1), strict=True):
         sim = build_simulation(load(case, [f"{solid}{mesh}}}", "boundaries=[]"]), threads=1)
@@ -204,19 +206,30 @@ def damaged(draw, texts):
     return content
 
 
+def outcome(function):
+    """The message of a refusal, or "works"; any other exception is a failure of the test."""
+    try:
+        # Speeds of 1e200 m/s may overflow in sums: that is no crash.
+        with np.errstate(all="ignore"):
+            function()
+    except InputError as error:
+        return str(error).rstrip()
+    return "works"
+
+
 @settings(max_examples=400)
 @given(content=damaged([SMALL, *bundled_cases().values()]))
 def test_a_damaged_case_works_or_is_refused(content, tmp_path_factory):
-    from matpoint.case.load import Case, check
-
     folder = Path(tmp_path_factory.getbasetemp()) / "never"
-    try:
+
+    def use():
         case = Case("damaged", check(content, "damaged"))
         build_simulation(case, threads=1)
         build_writers(case, folder)
-    except InputError as error:
-        assert str(error)
-        assert "\n" not in str(error).rstrip()
+
+    said = outcome(use)
+    assert said
+    assert "\n" not in said
     assert not folder.exists()
 
 
@@ -228,7 +241,4 @@ def test_damaged_text_works_or_is_refused(data, tmp_path_factory):
     start = data.draw(st.integers(0, len(text)))
     end = min(len(text), start + data.draw(st.integers(0, 12)))
     path.write_text(text[:start] + data.draw(st.text(max_size=6)) + text[end:], encoding="utf-8", newline="")
-    try:
-        load(str(path))
-    except InputError as error:
-        assert "\n" not in str(error).rstrip()
+    assert "\n" not in outcome(lambda: load(str(path)))

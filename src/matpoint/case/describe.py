@@ -17,7 +17,8 @@ _KINDS = {float: "number", int: "integer", str: "string", bool: "boolean"}
 _WANTED = {
     "float_type": "a number", "int_type": "a whole number", "string_type": "a text",
     "bool_type": "true or false", "list_type": "a list", "dict_type": "a table", "model_type": "a table",
-    "finite_number": "a finite number", "string_too_long": "a shorter text", "string_too_short": "a text that is not empty",
+    "finite_number": "a finite number", "string_too_long": "a shorter text",
+    "string_too_short": "a text that is not empty",
 }  # fmt: skip
 
 
@@ -107,12 +108,16 @@ def _shown(value: Any) -> str:
 
 def _place(location: tuple[int | str, ...], content: Any) -> str:
     """Where in the file it is: pydantic's location without the names of the alternatives it tried."""
-    steps, here = [], content
+    steps: list[str] = []
+    here: Any = content
     for step in location:
-        inside = isinstance(here, dict) and step in here
-        if inside or (isinstance(here, list) and isinstance(step, int) and step < len(here)):
-            steps.append(str(step))
+        if isinstance(here, dict) and step in here:
             here = here[step]
+        elif isinstance(here, list) and isinstance(step, int) and step < len(here):
+            here = here[step]
+        else:
+            continue
+        steps.append(str(step))
     return ".".join(steps)
 
 
