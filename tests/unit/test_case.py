@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import copy
 import tomllib
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from pydantic import ValidationError
 
 import matpoint as mp
 from cases import SMALL
 from matpoint.case import Case, CaseTable, build_simulation, build_writers, bundled_cases, load
-from matpoint.case.describe import first_problem
 
 
 def _case(text):
@@ -148,51 +143,6 @@ def test_overrides():
     ):
         with pytest.raises(mp.InputError, match=message):
             load("cantilever", [setting])
-
-
-VALUES = st.one_of(
-    st.none(), st.booleans(), st.integers(-3, 10**20), st.floats(), st.text(max_size=8),
-    st.lists(st.floats(-5, 5), max_size=4), st.dictionaries(st.text(max_size=4), st.integers(), max_size=2),
-)  # fmt: skip
-
-
-def _paths(table, prefix=()):
-    for key, value in table.items() if isinstance(table, dict) else enumerate(table):
-        yield (*prefix, key)
-        if isinstance(value, dict | list):
-            yield from _paths(value, (*prefix, key))
-
-
-PATHS = list(_paths(tomllib.loads(SMALL)))
-
-
-@settings(max_examples=150)
-@given(st.sampled_from(PATHS), VALUES, st.sampled_from(["replace", "remove", "add"]))
-def test_a_spoiled_case_works_or_gives_an_input_error(tmp_path_factory, path, value, what):
-    tables = copy.deepcopy(tomllib.loads(SMALL))
-    place = tables
-    for key in path[:-1]:
-        place = place[key]
-    if what == "replace":
-        place[path[-1]] = value
-    elif what == "remove":
-        del place[path[-1]]
-    elif isinstance(place, dict):
-        place["surprise"] = value
-    try:
-        case = Case("test", CaseTable.model_validate(tables))
-        if case.tables.time.step is not None and case.tables.time.step < 1e-9:
-            return  # a valid but very long run
-        build_writers(case, tmp_path_factory.getbasetemp())
-        build_simulation(case, threads=1)
-    except ValidationError as error:
-        message = first_problem(error, CaseTable)
-    except mp.InputError as error:
-        message = str(error)
-    else:
-        return
-    assert message
-    assert "\n" not in message
 
 
 def test_a_problem_gives_its_own_tables():

@@ -111,12 +111,11 @@ def _place(location: tuple[int | str, ...], content: Any) -> str:
     steps: list[str] = []
     here: Any = content
     for step in location:
-        if isinstance(here, dict) and step in here:
-            here = here[step]
-        elif isinstance(here, list) and isinstance(step, int) and step < len(here):
-            here = here[step]
-        else:
+        known = isinstance(here, dict) and step in here
+        known = known or (isinstance(here, list) and isinstance(step, int) and step < len(here))
+        if not known:
             continue
+        here = here[step]
         steps.append(str(step))
     return ".".join(steps)
 
