@@ -111,11 +111,10 @@ def _place(location: tuple[int | str, ...], content: Any) -> str:
     steps: list[str] = []
     here: Any = content
     for step in location:
-        known = isinstance(here, dict) and step in here
-        known = known or (isinstance(here, list) and isinstance(step, int) and step < len(here))
-        if not known:
+        try:
+            here = here[step]
+        except (KeyError, IndexError, TypeError):
             continue
-        here = here[step]
         steps.append(str(step))
     return ".".join(steps)
 
