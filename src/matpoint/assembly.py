@@ -9,6 +9,7 @@ import numpy as np
 
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError
+from matpoint.faces import FACES
 
 _TOLERANCE = 1e-6  # of the smallest domain's size
 
@@ -87,12 +88,6 @@ def overlap(named: Sequence[tuple[str, Domains]]) -> None:
                 )
 
 
-_FACES = {
-    Kind.HEX: ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
-    Kind.TET: ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
-}
-
-
 _PAIRS = 1 << 18  # point-domain pairs looked at in one go
 
 
@@ -123,7 +118,7 @@ def _inside(point: np.ndarray, x: np.ndarray, kind: Kind) -> np.ndarray:
         edge, arm = np.roll(x, -1, axis=1) - x, point[:, None] - x
         return np.asarray((edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0] > 0).all(axis=1))
     inside = np.ones(len(x), dtype=bool)
-    for face in _FACES[kind]:
+    for face in FACES[kind]:
         corners = x[:, list(face)]
         middle = corners.mean(axis=1)
         spokes = corners - middle[:, None]

@@ -10,6 +10,7 @@ import numpy as np
 
 from matpoint.domains import Domains
 from matpoint.errors import InputError
+from matpoint.faces import check_sets
 from matpoint.fill import fill
 from matpoint.grid import Grid
 from matpoint.materials import Material
@@ -47,6 +48,11 @@ class Body:
             raise InputError(f"{self.label}: geometry = {self.geometry!r} must be a region or Domains")
         if not isinstance(self.material, Material):
             raise InputError(f"{self.label}: material = {self.material!r} must be a material")
+        if isinstance(self.geometry, Domains):
+            try:
+                check_sets(self.geometry)
+            except InputError as error:
+                raise InputError(f"{self.label}: {error}") from None
         numbers = self.per_cell if isinstance(self.per_cell, tuple | list) else (self.per_cell,)
         for n in numbers:
             if isinstance(n, bool) or not isinstance(n, int) or n < 1:

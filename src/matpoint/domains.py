@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
@@ -52,6 +53,9 @@ class Domains:
         The shape of all of them.
     checked
         True if the caller vouches for the mesh (filling does).
+    sets
+        Boundary sets: name -> faces as rows of vertices, shape (m, corners of a face), in any
+        orientation. Conditions and loads find them by :class:`matpoint.Surface`.
 
     Raises
     ------
@@ -64,17 +68,20 @@ class Domains:
     cells: np.ndarray
     kind: Kind
     checked: bool = False
+    sets: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         try:
             vertices = np.ascontiguousarray(self.vertices, dtype=float)
             cells = np.ascontiguousarray(self.cells)
             kind = Kind(self.kind)
+            sets = {str(name): np.array(rows) for name, rows in self.sets.items()}
         except (TypeError, ValueError) as error:
             raise InputError(f"mesh: vertices and cells must be arrays of numbers ({error})") from None
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "kind", kind)
+        object.__setattr__(self, "sets", sets)
         if not self.checked:
             self.check()
 

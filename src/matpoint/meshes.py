@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError
+from matpoint.faces import split_by
 from matpoint.fill import lattice_domains
 
 
@@ -21,6 +23,8 @@ def _divisions(what: str, values: Sequence[int], count: int) -> tuple[int, ...]:
 
 def mesh_box(lower: Sequence[float], upper: Sequence[float], divisions: Sequence[int]) -> Domains:
     """Return a box of equal lines, quadrilaterals or hexahedra.
+
+    Its boundary sets are ``x-``, ``x+``, and so on for the other axes.
 
     Parameters
     ----------
@@ -43,7 +47,13 @@ def mesh_box(lower: Sequence[float], upper: Sequence[float], divisions: Sequence
         raise InputError(f"mesh box: upper = {list(upper)} must be greater than lower = {list(lower)}")
     count = np.array(_divisions("mesh box", divisions, len(low)))
     index = np.stack([m.ravel() for m in np.meshgrid(*map(np.arange, count), indexing="ij")], axis=1)
-    return lattice_domains(index, low, (high - low) / count)
+    box = lattice_domains(index, low, (high - low) / count)
+    hair = 1e-9 * (high - low)
+    sides = {}
+    for k, axis in enumerate("xyz"[: len(low)]):
+        sides[f"{axis}-"] = box.vertices[:, k] <= low[k] + hair[k]
+        sides[f"{axis}+"] = box.vertices[:, k] >= high[k] - hair[k]
+    return replace(box, sets=split_by(box, sides))
 
 
 def mesh_annulus(
@@ -54,6 +64,8 @@ def mesh_annulus(
     centre: Sequence[float] = (0.0, 0.0),
 ) -> Domains:
     """Return a sector of a ring in quadrilaterals, or a whole ring.
+
+    Its boundary sets are ``inner`` and ``outer``, and ``start`` and ``end`` where the angles begin and end.
 
     Parameters
     ----------
@@ -91,11 +103,18 @@ def mesh_annulus(
     i, j = (m.ravel() for m in np.meshgrid(np.arange(radial), np.arange(tangential), indexing="ij"))
     k = (j + 1) % columns
     cells = np.stack([i * columns + j, (i + 1) * columns + j, (i + 1) * columns + k, i * columns + k], axis=1)
-    return Domains(x, cells, Kind.QUAD)
+    ring = Domains(x, cells, Kind.QUAD)
+    row, column = np.divmod(np.arange(len(x)), columns)
+    sides = {"inner": row == 0, "outer": row == radial}
+    if not closed:
+        sides |= {"start": column == 0, "end": column == columns - 1}
+    return replace(ring, sets=split_by(ring, sides))
 
 
 def extrude(domains: Domains, heights: Sequence[float]) -> Domains:
     """Return hexahedra: quadrilaterals drawn along z.
+
+    Boundary sets of the quadrilaterals become walls of the same name; ``z-`` and ``z+`` are added.
 
     Parameters
     ----------
@@ -118,7 +137,14 @@ def extrude(domains: Domains, heights: Sequence[float]) -> Domains:
     x = np.tile(domains.vertices, (len(z), 1))
     x[:, 2] = np.repeat(z, nv)
     cells = [np.hstack([domains.cells + k * nv, domains.cells + (k + 1) * nv]) for k in range(len(z) - 1)]
-    return Domains(x, np.concatenate(cells), Kind.HEX)
+    walls = {
+        name: np.concatenate(
+            [np.hstack([rows + k * nv, rows[:, ::-1] + (k + 1) * nv]) for k in range(len(z) - 1)]
+        )
+        for name, rows in domains.sets.items()
+    }
+    ends = {"z-": domains.cells[:, ::-1], "z+": domains.cells + (len(z) - 1) * nv}
+    return Domains(x, np.concatenate(cells), Kind.HEX, sets=walls | ends)
 
 
 def domains_from_arrays(vertices: np.ndarray, cells: np.ndarray, kind: Kind) -> Domains:
