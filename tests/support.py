@@ -64,6 +64,7 @@ def setting_of(domains: Domains, rng: np.random.Generator, materials: int = 2) -
         vertices=domains.vertices,
         connectivity=domains.cells.reshape(n, width),
         kind=np.full(n, int(domains.kind)),
+        stiffness=rng.uniform(0.5, 2.0, n),
     )
 
 

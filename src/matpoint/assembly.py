@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError
-from matpoint.faces import FACES
+from matpoint.faces import FACES, Facets, orient, shared_faces
 
 _TOLERANCE = 1e-6  # of the smallest domain's size
 
@@ -18,16 +19,29 @@ def _size(domains: Domains) -> float:
     return float(np.abs(domains.volumes()).min()) ** (1.0 / domains.dim)
 
 
-def merge(parts: Sequence[Domains]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return one mesh of all bodies; vertices of different bodies in one place become one.
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """One mesh of all bodies.
 
-    Returns
-    -------
+    Attributes
+    ----------
     vertices : ndarray, shape (nv, 3) [m]
     cells : ndarray of int32, shape (n, K), padded with -1
     kind : ndarray of int8, shape (n,)
     body : ndarray of int32, shape (n,)
+    facets
+        The boundary sets of all bodies.
     """
+
+    vertices: np.ndarray
+    cells: np.ndarray
+    kind: np.ndarray
+    body: np.ndarray
+    facets: tuple[Facets, ...]
+
+
+def merge(parts: Sequence[Domains], names: Sequence[str]) -> Joined:
+    """Return one mesh of all bodies; vertices of different bodies in one place become one."""
     offsets = np.cumsum([0, *(len(d.vertices) for d in parts)])
     vertices = np.concatenate([d.vertices for d in parts])
     width = max(d.kind.corners for d in parts)
@@ -38,12 +52,32 @@ def merge(parts: Sequence[Domains]) -> tuple[np.ndarray, np.ndarray, np.ndarray,
         kind.append(np.full(domains.n, int(domains.kind), dtype=np.int8))
         body.append(np.full(domains.n, number, dtype=np.int32))
         row += domains.n
+    lookup = np.append(np.arange(len(vertices)), -1)
     if len(parts) > 1:
         first = _first_of_each(vertices, parts, offsets)
         kept, compact = np.unique(first, return_inverse=True)
         lookup = np.append(compact, -1)
         vertices, cells = vertices[kept], lookup[cells]
-    return vertices, cells.astype(np.int32), np.concatenate(kind), np.concatenate(body)
+    facets = _facets(
+        parts,
+        names,
+        [lookup[offset + np.arange(len(d.vertices))] for offset, d in zip(offsets, parts, strict=False)],
+        len(vertices),
+    )
+    return Joined(vertices, cells.astype(np.int32), np.concatenate(kind), np.concatenate(body), facets)
+
+
+def _facets(
+    parts: Sequence[Domains], names: Sequence[str], joined: Sequence[np.ndarray], count: int
+) -> tuple[Facets, ...]:
+    """The boundary sets in the joined mesh; ``joined`` gives the new number of each part's vertices."""
+    meshes = [(new[d.cells], d.kind) for d, new in zip(parts, joined, strict=True)]
+    facets = []
+    for d, body, new, (cells, kind) in zip(parts, names, joined, meshes, strict=True):
+        for name, rows in d.sets.items():
+            corners, sign = orient(new[rows], cells, kind, count)
+            facets.append(Facets(name, body, corners, sign, ~shared_faces(corners, meshes, count)))
+    return tuple(facets)
 
 
 def _first_of_each(vertices: np.ndarray, parts: Sequence[Domains], offsets: np.ndarray) -> np.ndarray:

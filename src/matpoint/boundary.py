@@ -5,89 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from matpoint.errors import InputError
 from matpoint.grid import Grid
+from matpoint.places import Corners, Plane, RegionLike, Surface, Where
 
-_AXES = {"x": 0, "y": 1, "z": 2}
 Velocity = Callable[[np.ndarray, float], np.ndarray]
 
 
-class RegionLike(Protocol):
-    """Anything that tells which points it contains."""
-
-    def contains(self, points: np.ndarray) -> np.ndarray:
-        """Return a flag for each of the points, shape (n, 3) [m]."""
-        ...
-
-
-@dataclass(frozen=True)
-class Plane:
-    """A grid plane: the nodes on it and beyond it.
-
-    Parameters
-    ----------
-    axis
-        ``"x"``, ``"y"``, ``"z"`` or 0, 1, 2: the axis normal to the plane.
-    at
-        Coordinate [m]; it must lie on a line of the grid.
-    side
-        ``"lower"``: the body lies above the plane; ``"upper"``: below it. None takes the face of
-        the grid that is nearer.
-    """
-
-    axis: str | int
-    at: float
-    side: str | None = None
-
-    def __post_init__(self) -> None:
-        if self.axis not in (*_AXES, 0, 1, 2) or isinstance(self.axis, bool):
-            raise InputError(f'plane: axis = {self.axis!r}; "x", "y", "z" are allowed')
-        if not math.isfinite(self.at):
-            raise InputError(f"plane: at = {self.at!r} must be finite")
-        if self.side not in (None, "lower", "upper"):
-            raise InputError(f'plane: side = {self.side!r}; "lower" and "upper" are allowed')
-
-    @property
-    def number(self) -> int:
-        """The axis as 0, 1, 2."""
-        return _AXES[self.axis] if isinstance(self.axis, str) else self.axis
-
-    def check(self, grid: Grid, walls_only: bool) -> None:
-        """Raise InputError if the plane does not lie on a line of the grid."""
-        k = self.number
-        if k >= grid.dim:
-            raise InputError(f"plane: axis {'xyz'[k]} does not exist in {grid.dim}-D")
-        cells = (self.at - grid.lower[k]) / grid.cell[k]
-        if abs(cells - round(cells)) > 1e-6 or not 0 <= round(cells) <= grid.cells[k]:
-            near = grid.lower[k] + min(max(round(cells), 0), grid.cells[k]) * grid.cell[k]
-            raise InputError(
-                f"plane: {'xyz'[k]} = {self.at:g} is not on a line of the grid; the nearest is {near:g}"
-            )
-        if walls_only and round(cells) not in (0, grid.cells[k]):
-            raise InputError(
-                f"plane: {'xyz'[k]} = {self.at:g} lies inside the grid; with B-splines a plane must be a"
-                f" face of the grid ({grid.lower[k]:g} or {grid.upper[k]:g}): end the grid there"
-            )
-
-    def select(self, grid: Grid, points: np.ndarray) -> np.ndarray:
-        """Return a flag for the points [m] on or beyond the plane."""
-        k = self.number
-        side = self.side
-        if side is None:
-            side = "lower" if self.at - grid.lower[k] <= grid.upper[k] - self.at else "upper"
-        hair = 1e-7 * grid.cell[k]
-        x = points[:, k]
-        return x <= self.at + hair if side == "lower" else x >= self.at - hair
-
-
-Where = Plane | RegionLike
-
-
-def _select(where: Where, grid: Grid, points: np.ndarray, walls_only: bool) -> np.ndarray:
+def _select(where: Plane | RegionLike, grid: Grid, points: np.ndarray, walls_only: bool) -> np.ndarray:
     if isinstance(where, Plane):
         where.check(grid, walls_only)
         return where.select(grid, points)
@@ -201,61 +129,110 @@ class PrescribedVelocity:
 
 
 Condition = Fixed | Roller | Symmetry | PrescribedVelocity
+#: Returns the node records of the vertices of a place.
+VertexRecords = Callable[[Surface | Corners], np.ndarray]
+
+_DEPENDENT = 1e-6  # what is left of a direction, below which it is held already
 
 
 class Constraints:
     """All conditions as arrays for the kernel ``constrain``.
 
+    One node may stand under several conditions along any directions. The later condition wins; of an
+    earlier one the part remains that the later ones leave free (Gram-Schmidt, the last first).
+
     Attributes
     ----------
     index : ndarray of int64, shape (c,)
-        Node records; a node may stand here up to three times, with orthogonal directions.
+        Node records; a node stands here up to three times, with orthonormal directions.
     normal : ndarray, shape (c, 3)
     points : ndarray, shape (c, 3)
         Initial positions [m].
     """
 
     def __init__(
-        self, conditions: Sequence[Condition], grid: Grid, points: np.ndarray, walls_only: bool
+        self,
+        conditions: Sequence[Condition],
+        grid: Grid,
+        points: np.ndarray,
+        walls_only: bool,
+        vertex_records: VertexRecords,
     ) -> None:
         index: list[np.ndarray] = []
-        normal: list[np.ndarray] = []
+        direction: list[np.ndarray] = []
         self._moving: list[tuple[slice, float | Velocity, np.ndarray]] = []
         total = 0
-        for number, condition in enumerate(conditions):
-            chosen = np.flatnonzero(_select(condition.where, grid, points, walls_only))
+        for number, condition in reversed(list(enumerate(conditions))):
+            where = condition.where
+            if isinstance(where, Surface | Corners):
+                chosen = vertex_records(where)
+            else:
+                chosen = np.flatnonzero(_select(where, grid, points, walls_only))
             if len(chosen) == 0:
                 raise InputError(
                     f"boundary {number} ({type(condition).__name__}): no node lies in its region;"
                     " enlarge it to hold at least one line of nodes"
                 )
-            for direction, velocity in condition.components(grid.dim):
+            for towards, velocity in condition.components(grid.dim):
                 index.append(chosen)
-                normal.append(np.tile(direction, (len(chosen), 1)))
+                direction.append(np.tile(towards, (len(chosen), 1)))
                 part = slice(total, total + len(chosen))
                 total += len(chosen)
                 if callable(velocity) or velocity != 0.0:
                     self._moving.append((part, velocity, points[chosen]))
-        self.index = np.concatenate(index) if index else np.zeros(0, dtype=np.int64)
-        self.normal = np.concatenate(normal) if normal else np.zeros((0, 3))
+        self._raw = total
+        self._orthonormalise(
+            np.concatenate([np.zeros(0, dtype=np.int64), *index]),
+            np.concatenate([np.zeros((0, 3)), *direction]),
+        )
         self.points = points[self.index]
-        self._refuse_oblique()
 
-    def _refuse_oblique(self) -> None:
-        order = np.argsort(self.index, kind="stable")
-        for shift in (1, 2, 3):
-            a, b = order[:-shift], order[shift:]
-            same = self.index[a] == self.index[b]
-            cosine = np.abs((self.normal[a] * self.normal[b]).sum(axis=1))
-            if np.any(same & (cosine > 1e-9) & (cosine < 1 - 1e-9)):
-                raise InputError("boundaries: one node is held along two directions that are not orthogonal")
+    def _orthonormalise(self, index: np.ndarray, direction: np.ndarray) -> None:
+        """Keep, for each node, orthonormal directions, and how their values follow from those given."""
+        nodes, place = np.unique(index, return_inverse=True)
+        order = np.argsort(place, kind="stable")
+        rank = np.arange(len(order)) - np.searchsorted(place[order], place[order])
+        held = np.zeros((len(nodes), 3, 3))  # directions that each node has so far; zeros where it has none
+        count = np.zeros(len(nodes), dtype=np.int64)
+        slot = np.full(len(index), -1)  # which direction of its node a row becomes; -1: held already
+        share, scale = np.zeros((len(index), 3)), np.zeros(len(index))
+        for r in range(int(rank.max(initial=-1)) + 1):
+            rows = order[rank == r]
+            node = place[rows]
+            along = np.einsum("nja,na->nj", held[node], direction[rows])
+            rest = direction[rows] - np.einsum("nj,nja->na", along, held[node])
+            length = np.sqrt((rest**2).sum(axis=1))
+            free = length > _DEPENDENT
+            rows, node, length = rows[free], node[free], length[free]
+            held[node, count[node]] = rest[free] / length[:, None]
+            slot[rows], scale[rows] = count[node], 1.0 / length
+            share[rows] = along[free] / length[:, None]
+            count[node] += 1
+        self._rows = np.concatenate([np.flatnonzero(slot == j) for j in range(3)])
+        self._slot, self._place = slot[self._rows], place[self._rows]
+        self._share, self._scale = share[self._rows], scale[self._rows]
+        self._nodes = len(nodes)
+        self.index = index[self._rows]
+        self.normal = np.ascontiguousarray(held[self._place, self._slot])
 
     def velocities(self, time: float) -> np.ndarray:
-        """Return the prescribed velocities [m/s] at a time [s], shape (c,)."""
-        values = np.zeros(len(self.index))
+        """Return the prescribed velocities [m/s] at a time [s], shape (c,).
+
+        Functions take the positions of grid nodes, and of vertices those where they began: where a
+        material point is to be is a function of where it was.
+        """
+        if not self._moving:
+            return np.zeros(len(self.index))
+        given = np.zeros(self._raw)
         for part, velocity, x in self._moving:
-            given = velocity(x, time) if callable(velocity) else velocity
-            values[part] = given
-            if not np.isfinite(values[part]).all():
+            given[part] = velocity(x, time) if callable(velocity) else velocity
+            if not np.isfinite(given[part]).all():
                 raise InputError(f"prescribed velocity: not a finite number at t = {time:g} s")
+        values = np.zeros(len(self.index))
+        so_far = np.zeros((self._nodes, 3))
+        for slot in range(3):
+            mine = self._slot == slot
+            place, share = self._place[mine], self._share[mine]
+            values[mine] = given[self._rows[mine]] * self._scale[mine] - (share * so_far[place]).sum(axis=1)
+            so_far[place, slot] = values[mine]
         return values

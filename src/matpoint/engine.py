@@ -13,6 +13,7 @@ import numpy as np
 
 from matpoint.boundary import Constraints
 from matpoint.errors import RunError
+from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Mapping, ParticleError
 from matpoint.kernels.ledger import book_loads
@@ -38,12 +39,15 @@ class Engine:
         materials: Sequence[Material],
         constraints: Constraints,
         loads: Loads,
+        face_loads: FaceLoads | None,
         damping: Damping,
         team: Team,
         flip: float,
     ) -> None:
         self.particles, self.mapping, self.materials = particles, mapping, tuple(materials)
         self.constraints, self.loads, self.damping = constraints, loads, damping
+        self.face_loads = face_loads
+        self._pushes: list[tuple[np.ndarray, np.ndarray]] = []
         self.team, self.flip = team, flip
         self.time, self.step, self.dt = 0.0, 0, 0.0
         self.body = np.zeros((1, 3))
@@ -77,6 +81,9 @@ class Engine:
         except ParticleError as fault:
             raise self.fail(fault.particle, fault.cause) from None
         self.body = self.loads.evaluate(self.particles, self.time)
+        if self.face_loads is not None and self.mapping.vertices is not None:
+            self._pushes = self.face_loads.evaluate(self.mapping.vertices, self.time)
+            self.mapping.push(self._pushes)
 
     def clear(self) -> None:
         """Empty the node records."""
@@ -152,13 +159,17 @@ class Engine:
     def advance(self) -> None:
         """Take the next positions, bring the domains along, and book the loads' work."""
         p = self.particles
-        before = p.position
+        before, v = p.position, self.mapping.vertices
+        corners_before = None if v is None else v.position
         try:
             self.mapping.advance()
         except ParticleError as fault:
             raise self.fail(fault.particle, fault.cause) from None
         if self.body.any():
             book_loads(p.mass, self.body, before, p.position, self.dt, self.external)
+        v = self.mapping.vertices
+        if self._pushes and v is not None and corners_before is not None:
+            book_pushes(self._pushes, corners_before, v.position, self.dt, self.external)
 
     # -- helpers -----------------------------------------------------------------------------
 

@@ -6,7 +6,9 @@ its domain it runs counter-clockwise, so that the normal that it defines points 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,9 +38,40 @@ def all_faces(cells: np.ndarray, kind: Kind) -> np.ndarray:
     return cells[:, np.array(FACES[kind])].reshape(-1, len(FACES[kind][0]))
 
 
-def outer_faces(domains: Domains) -> np.ndarray:
-    """Return the faces that belong to one domain only, seen from outside."""
-    faces = all_faces(domains.cells, domains.kind)
+@dataclass(frozen=True, eq=False)
+class Facets:
+    """A boundary set of one body, once the bodies are joined.
+
+    Attributes
+    ----------
+    name, body
+        Names of the set and of the body.
+    corners : ndarray of int64, shape (m, k)
+        Vertices of each face, seen from outside its body.
+    sign : ndarray, shape (m,)
+        1-D only: -1 where the body's outside lies along -x; 1 elsewhere.
+    outer : ndarray of bool, shape (m,)
+        False for faces that two domains share once the bodies are joined.
+    """
+
+    name: str
+    body: str
+    corners: np.ndarray
+    sign: np.ndarray
+    outer: np.ndarray
+
+
+def near(faces: np.ndarray, vertices: np.ndarray, count: int) -> np.ndarray:
+    """Return the indices of those faces all of whose corners are among ``vertices`` (of ``count``)."""
+    flags = np.zeros(count, dtype=bool)
+    flags[vertices] = True
+    return np.flatnonzero(flags[faces].all(axis=1))
+
+
+def _unshared(faces: np.ndarray) -> np.ndarray:
+    """The faces that stand once in a list, in its order."""
+    if len(faces) == 0:
+        return faces
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     return faces[np.sort(first[count == 1])]
 
@@ -53,8 +86,49 @@ def split_by(domains: Domains, sides: Mapping[str, np.ndarray]) -> dict[str, np.
     sides
         Name of the set -> flag of each vertex, shape (nv,).
     """
-    faces = outer_faces(domains)
-    return {name: faces[flags[faces].all(axis=1)] for name, flags in sides.items()}
+    faces = all_faces(domains.cells, domains.kind)
+    return {name: _unshared(faces[flags[faces].all(axis=1)]) for name, flags in sides.items()}
+
+
+def orient(rows: np.ndarray, cells: np.ndarray, kind: Kind, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return faces as seen from outside their domain, and their sign (see :class:`Facets`).
+
+    Parameters
+    ----------
+    rows
+        Faces in any orientation, shape (m, k); each must be a face of a domain.
+    cells, kind
+        The domains.
+    count
+        The number of vertices.
+    """
+    faces = all_faces(cells, kind)
+    close = near(faces, rows, count)
+    known = {tuple(sorted(face)): q for q, face in zip(close.tolist(), faces[close].tolist(), strict=True)}
+    found = np.array([known[tuple(sorted(row))] for row in rows.tolist()], dtype=np.int64)
+    sign = np.ones(len(found))
+    if kind == Kind.LINE:
+        sign[found % 2 == 0] = -1.0
+    return faces[found], sign
+
+
+def shared_faces(rows: np.ndarray, parts: Sequence[tuple[np.ndarray, Kind]], count: int) -> np.ndarray:
+    """Return a flag for each of the faces ``rows``: whether more than one domain has it.
+
+    Parameters
+    ----------
+    rows
+        Faces, shape (m, k).
+    parts
+        Cells and shape of each body.
+    count
+        The number of vertices.
+    """
+    tally: Counter[tuple[int, ...]] = Counter()
+    for cells, kind in parts:
+        faces = all_faces(cells, kind)
+        tally.update(tuple(sorted(face)) for face in faces[near(faces, rows, count)].tolist())
+    return np.array([tally[tuple(sorted(row))] > 1 for row in rows.tolist()], dtype=bool)
 
 
 def check_sets(domains: Domains) -> None:
@@ -65,17 +139,20 @@ def check_sets(domains: Domains) -> None:
     InputError
         If a set is empty or has the wrong shape, or a row is not a face of one of the domains.
     """
-    faces = np.sort(all_faces(domains.cells, domains.kind), axis=1)
+    kind, count = domains.kind, len(domains.vertices)
+    faces = all_faces(domains.cells, kind)
     width = faces.shape[1]
-    known = {tuple(f) for f in faces.tolist()} if domains.sets else set()
     for name, rows in domains.sets.items():
         if rows.ndim != 2 or rows.shape[1] != width or not np.issubdtype(rows.dtype, np.integer):
             raise InputError(
-                f"mesh: boundary set {name!r} has shape {rows.shape}; faces of {domains.kind.name.lower()}"
+                f"mesh: boundary set {name!r} has shape {rows.shape}; faces of {kind.name.lower()}"
                 f" domains are whole numbers of shape (number, {width})"
             )
         if len(rows) == 0:
             raise InputError(f"mesh: boundary set {name!r} is empty")
+        inside = ((rows >= 0) & (rows < count)).all(axis=1)
+        close = faces[near(faces, rows[inside], count)]
+        known = {tuple(sorted(face)) for face in close.tolist()}
         for row in rows.tolist():
             if tuple(sorted(row)) not in known:
                 raise InputError(f"mesh: boundary set {name!r}: {row} is not a face of any domain")

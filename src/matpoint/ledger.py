@@ -54,7 +54,7 @@ def take_entry(engine: Engine) -> LedgerEntry:
     speed2 = np.einsum("pa,pa->p", p.velocity, p.velocity)
     spin = np.cross(p.position, p.velocity)
     moment = getattr(p, "affine_moment", None)
-    strain = 0.0
+    strain = engine.mapping.stored_energy()
     for material, index in zip(engine.materials, engine.groups, strict=True):
         density = material.energy(p.deformation_gradient[index], p.state[index])
         strain += float("nan") if density is None else float(p.volume0[index] @ density)

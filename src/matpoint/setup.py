@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -64,16 +65,20 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
     names = [body.name or f"number {k}" for k, body in enumerate(bodies)]
     overlap(list(zip(names, parts, strict=True)))
     materials, chosen = distinct_materials(bodies)
-    vertices, cells, kind, owner = merge(parts)
-    particles = Particles(len(kind), max(len(m.state_variables) for m in materials))
+    joined = merge(parts, names)
+    owner = joined.body
+    particles = Particles(len(owner), max(len(m.state_variables) for m in materials))
     particles.body[:] = owner
     particles.material[:] = np.array(chosen, dtype=np.int32)[owner]
     particles.position[:] = np.concatenate([d.centroids() for d in parts])
     particles.volume0[:] = np.concatenate([d.volumes() for d in parts])
+    stiffness = np.zeros(len(owner))
     for k, body in enumerate(bodies):
         mine = particles.body == k
         particles.velocity[mine] = body.initial_velocity(particles.position[mine])
         particles.mass[mine] = body.material.density * particles.volume0[mine]
+        speed = body.material.wave_speed(np.eye(3)[None])[0]
+        stiffness[mine] = body.material.density * speed**2
         initial = list(body.material.state_variables.values())
         particles.state[np.flatnonzero(mine)[:, None], np.arange(len(initial))] = initial
     particles.velocity[:, grid.dim :] = 0.0
@@ -85,9 +90,11 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
         team=team,
         domains_half=np.concatenate([d.half_lengths() for d in parts]),
         domains_edges=np.concatenate([d.edge_vectors() for d in parts]),
-        vertices=vertices,
-        connectivity=cells,
-        kind=kind,
+        vertices=joined.vertices,
+        connectivity=joined.cells,
+        kind=joined.kind,
+        facets=joined.facets,
+        stiffness=stiffness,
     )
     return _sorted(setting), materials
 
@@ -104,5 +111,7 @@ def _sorted(setting: Setting) -> Setting:
     rank[by_cell] = np.arange(len(by_cell))
     rank[-1] = -1  # the padding of short cells, index -1
     setting.vertices = np.ascontiguousarray(setting.vertices[by_cell])
+    setting.stiffness = setting.stiffness[order]
+    setting.facets = tuple(replace(f, corners=rank[f.corners]) for f in setting.facets)
     setting.connectivity = rank[setting.connectivity[order]]
     return setting

@@ -14,12 +14,14 @@ from matpoint.body import Body
 from matpoint.boundary import Condition, Constraints
 from matpoint.engine import Engine
 from matpoint.errors import InputError
+from matpoint.face_loads import FaceLoad, FaceLoads
 from matpoint.grid import Grid
-from matpoint.interpolation.contract import Interpolation, ParticleError
+from matpoint.interpolation.contract import Interpolation, ParticleError, Setting
 from matpoint.ledger import Ledger, take_entry
 from matpoint.loads import Damping, Load, Loads, NoDamping
 from matpoint.materials import Material
 from matpoint.particles import Particles
+from matpoint.places import Corners, Surface
 from matpoint.quantities import QUANTITIES
 from matpoint.run import Observer, run_steps
 from matpoint.scheme import APIC, USL, Scheme
@@ -71,7 +73,7 @@ class Simulation:
         timestep: TimeStep,
         scheme: Scheme | None = None,
         boundaries: Sequence[Condition] = (),
-        loads: Sequence[Load] = (),
+        loads: Sequence[Load | FaceLoad] = (),
         damping: Damping | None = None,
         threads: int | None = None,
         sort_every: int = 100,
@@ -84,17 +86,25 @@ class Simulation:
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise InputError(f"simulation: {name} = {value!r} must be a whole number >= 1")
         self.sort_every, self.sample_every = sort_every, sample_every
-        self._refuse_combinations()
+        self._refuse_combinations(boundaries, loads)
         self.notes: list[str] = []
         team = Team(threads)
         setting, materials = make_setting(grid, self.bodies, team)
+        setting.held = self._held(setting, boundaries)
+        face_loads = [load for load in loads if isinstance(load, FaceLoad)]
         try:
             mapping = interpolation.bind(setting)
         except ParticleError as fault:
             raise InputError(
                 f"{interpolation.name}: particle {int(setting.particles.id[fault.particle])}: {fault.cause}"
             ) from None
-        constraints = Constraints(boundaries, grid, mapping.points(), interpolation.walls_only)
+        constraints = Constraints(
+            boundaries,
+            grid,
+            mapping.points(),
+            interpolation.walls_only,
+            lambda where: mapping.records_of(setting.vertices_at(where)),
+        )
         if isinstance(self.scheme.transfer, APIC):
             setting.particles.add("affine_moment", np.zeros((len(setting.particles), 3, 3)))
         self.engine = Engine(
@@ -102,12 +112,12 @@ class Simulation:
             mapping,
             materials,
             constraints,
-            Loads(loads, grid.dim),
+            Loads([load for load in loads if not isinstance(load, FaceLoad)], grid.dim),
+            FaceLoads(face_loads, setting) if face_loads else None,
             NoDamping() if damping is None else damping,
             team,
             self.scheme.transfer.share,
         )
-        self._loads = tuple(loads)
         self.engine.dt = self._first_step()
         entry = take_entry(self.engine)
         self.ledger = Ledger(entry, entry)
@@ -238,8 +248,22 @@ class Simulation:
         self.engine.mapping.permute(order)
         self.engine.list_materials()
 
-    def _refuse_combinations(self) -> None:
+    @staticmethod
+    def _held(setting: Setting, boundaries: Sequence[Condition]) -> np.ndarray:
+        """The vertices that conditions make degrees of freedom."""
+        places = [c.where for c in boundaries if isinstance(c.where, Surface | Corners)]
+        held = [setting.vertices_at(where) for where in places]
+        return np.unique(np.concatenate(held)) if held else np.zeros(0, dtype=np.int64)
+
+    def _refuse_combinations(self, boundaries: Sequence[Condition], loads: Sequence[Load | FaceLoad]) -> None:
         name = self.interpolation.name
+        on_corners = [type(c).__name__ for c in boundaries if isinstance(c.where, Surface | Corners)]
+        on_corners += [type(load).__name__ for load in loads if isinstance(load, FaceLoad)]
+        if on_corners and not self.interpolation.shares_corners:
+            raise InputError(
+                f"{on_corners[0]} on corners or faces of particle domains: {name} has none that are shared;"
+                " use cpdi2 or enriched-cpdi2"
+            )
         if self.dim not in self.interpolation.dimensions:
             allowed = ", ".join(f"{d}-D" for d in self.interpolation.dimensions)
             raise InputError(f"{name} serves {allowed}; the grid is {self.dim}-D")

@@ -20,7 +20,8 @@ INTERPOLATIONS = [
     CPDI1(),
     CPDI2(),
     EnrichedCPDI2(),
-    EnrichedCPDI2(layers=1),
+    EnrichedCPDI2(layers=1, hourglass=0.3),
+    EnrichedCPDI2(where="all"),
 ]
 CASES = [
     pytest.param(choice, dim, kind, id=f"{choice.name}-{dim}d-{kind.name.lower()}")

@@ -225,7 +225,8 @@ def test_bodies_that_touch_share_their_corners(dim):
     rest0, rest1 = (0.0,) * (dim - 1), (1.0,) * (dim - 1)
     left = mp.mesh_box((0.0, *rest0), (1.0, *rest1), (2,) * dim)
     right = mp.mesh_box((1.0, *rest0), (3.0, *rest1), (4,) + (2,) * (dim - 1))
-    vertices, cells, kind, body = merge([left, right])
+    joined = merge([left, right], ["left", "right"])
+    vertices, cells, kind, body = joined.vertices, joined.cells, joined.kind, joined.body
     assert len(vertices) == len(left.vertices) + len(right.vertices) - 3 ** (dim - 1)
     assert len(np.unique(vertices.round(9), axis=0)) == len(vertices)
     x = vertices[cells]
@@ -242,7 +243,8 @@ def test_three_bodies_that_meet_in_one_vertex():
         mp.mesh_box((1, 0), (2, 1), (1, 1)),
         mp.mesh_box((0, 1), (2, 2), (2, 1)),
     ]
-    vertices, cells, _, body = merge(parts)
+    joined = merge(parts, ["a", "b", "c"])
+    vertices, cells, body = joined.vertices, joined.cells, joined.body
     assert len(vertices) == 9
     centre = int(np.flatnonzero((vertices == [1, 1, 0]).all(axis=1))[0])
     assert set(body[(cells == centre).any(axis=1)]) == {0, 1, 2}
@@ -251,7 +253,8 @@ def test_three_bodies_that_meet_in_one_vertex():
 def test_kinds_may_mix_with_padding():
     quad = mp.mesh_box((0, 0), (1, 1), (1, 1))
     triangle = Domains(np.array([[1, 0, 0], [2, 0, 0], [1, 1, 0.0]]), np.array([[0, 1, 2]]), Kind.TRI)
-    vertices, cells, kind, _ = merge([quad, triangle])
+    joined = merge([quad, triangle], ["quad", "triangle"])
+    vertices, cells, kind = joined.vertices, joined.cells, joined.kind
     assert len(vertices) == 5
     assert cells.tolist()[1][3] == -1
     assert kind.tolist() == [1, 3]

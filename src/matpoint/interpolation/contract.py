@@ -7,15 +7,18 @@ An :class:`Interpolation` is a choice: a small frozen dataclass. ``bind`` turns 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
+from matpoint.errors import InputError
+from matpoint.faces import Facets
 from matpoint.grid import Grid
 from matpoint.nodes import Nodes
 from matpoint.particles import Particles
+from matpoint.places import Corners, Surface
 from matpoint.threads import Team
 from matpoint.vertices import Vertices
 
@@ -40,6 +43,12 @@ class Setting:
         Half edge vectors [m] of its initial parallelepiped, as rows.
     vertices, connectivity, kind
         The shared corners of all domains: (nv, 3) [m], (n, K) padded with -1, (n,).
+    facets
+        Boundary sets of the bodies.
+    held : ndarray of int64
+        Vertices under conditions of their own: they are to be degrees of freedom.
+    stiffness : ndarray, shape (n,)
+        P-wave modulus rho c^2 [Pa] of each particle's material at rest.
     """
 
     grid: Grid
@@ -50,6 +59,46 @@ class Setting:
     vertices: np.ndarray
     connectivity: np.ndarray
     kind: np.ndarray
+    facets: tuple[Facets, ...] = ()
+    held: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    stiffness: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def faces_of(self, surface: Surface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return corners, sign and outer flag of the faces of a boundary set (see ``Facets``).
+
+        Raises
+        ------
+        InputError
+            If no body has a set of that name, or none of its faces is on the outside.
+        """
+        found = [f for f in self.facets if f.name == surface.name and surface.body in (None, f.body)]
+        if not found:
+            names = sorted({f"{f.name} ({f.body})" for f in self.facets})
+            raise InputError(f"surface {surface} does not exist; there are {', '.join(names) or 'none'}")
+        keep = [f.outer if surface.body is None else np.ones(len(f.outer), dtype=bool) for f in found]
+        if not any(k.any() for k in keep):
+            raise InputError(
+                f"surface {surface}: all its faces lie between two bodies; name the body to take it"
+                " all the same"
+            )
+        parts = [(f.corners[k], f.sign[k], f.outer[k]) for f, k in zip(found, keep, strict=True)]
+        corners, sign, outer = (np.concatenate(p) for p in zip(*parts, strict=True))
+        return corners, sign, outer
+
+    def vertices_at(self, where: Surface | Corners) -> np.ndarray:
+        """Return the vertices of a boundary set, or of a region, in ascending order.
+
+        Raises
+        ------
+        InputError
+            As :meth:`faces_of`, or if no vertex lies in the region.
+        """
+        if isinstance(where, Surface):
+            return np.unique(self.faces_of(where)[0])
+        found = np.flatnonzero(np.asarray(where.region.contains(self.vertices), dtype=bool))
+        if len(found) == 0:
+            raise InputError("corners: no corner of any particle domain lies in the region; enlarge it")
+        return found
 
 
 class Mapping(ABC):
@@ -105,6 +154,18 @@ class Mapping(ABC):
         """Return the current positions [m] of some degrees of freedom, given their first ones."""
         return points
 
+    def records_of(self, vertices: np.ndarray) -> np.ndarray:
+        """Return the node records of vertices that are degrees of freedom."""
+        raise TypeError("only a mapping with shared corners has degrees of freedom on them")
+
+    def push(self, loads: Sequence[tuple[np.ndarray, np.ndarray]]) -> None:
+        """Take forces on vertices for the next transfer: vertices (m,) and forces [N] (m, 3)."""
+        raise TypeError("only a mapping with shared corners takes forces on them")
+
+    def stored_energy(self) -> float:
+        """Return the energy [J] that the mapping itself stores (hourglass control)."""
+        return 0.0
+
     def spacing(self) -> float:
         """Return the smallest spacing [m] of degrees of freedom that are not grid nodes, or inf."""
         return float("inf")
@@ -120,6 +181,8 @@ class Interpolation(ABC):
         The dimensions that it serves.
     uses_vertices
         True for the vertex family.
+    shares_corners
+        True if neighbouring domains share their corners, so that conditions and loads may act there.
     walls_only
         True if the field at a plane inside the grid is not one layer of nodes (B-splines):
         conditions on planes must then lie on the grid's faces.
@@ -129,6 +192,7 @@ class Interpolation(ABC):
 
     dimensions: ClassVar[tuple[int, ...]] = (1, 2, 3)
     uses_vertices: ClassVar[bool] = False
+    shares_corners: ClassVar[bool] = False
     walls_only: ClassVar[bool] = False
     citation: ClassVar[tuple[str, ...]] = ()
 

@@ -10,6 +10,7 @@ import numpy as np
 from matpoint.errors import InputError
 from matpoint.interpolation.box import Slabs
 from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting, first_fault
+from matpoint.interpolation.hourglass import HourglassControl
 from matpoint.interpolation.vertex import VertexMapping
 from matpoint.kernels.corners import SIGNS, corner_weights, parallelepipeds
 from matpoint.kernels.vertex import move_vertices
@@ -67,13 +68,16 @@ class ConvectedVertices(VertexMapping):
     F (CPDI1), as ``on_inversion`` says; ``fallen`` lists the particles that have fallen back.
     """
 
-    def __init__(self, setting: Setting, enriched: np.ndarray, on_inversion: str) -> None:
+    def __init__(
+        self, setting: Setting, enriched: np.ndarray, on_inversion: str, hourglass: float = 0.0
+    ) -> None:
         self.dim, self._on_inversion = setting.grid.dim, on_inversion
         self._edges = np.ascontiguousarray(setting.domains_edges)
         self._shared = len(setting.vertices)
         self.fallen = np.zeros(0, dtype=np.int64)
         vertices = Vertices(setting.vertices, setting.connectivity, setting.kind)
-        vertices.enrich(enriched)
+        vertices.enrich(np.union1d(enriched, setting.held))
+        self._hourglass = HourglassControl(vertices, setting, hourglass) if hourglass > 0 else None
         super().__init__(setting, vertices)
 
     def update_domains(self) -> None:
@@ -110,7 +114,20 @@ class ConvectedVertices(VertexMapping):
         first = self.particles.position0[particle] + signs @ self._edges[particle]
         self.vertices.detach(particle, first, KIND_OF_DIM[self.dim - 1])
         self.fallen = np.append(self.fallen, particle)
+        if self._hourglass is not None:
+            self._hourglass.release(int(self.particles.id[particle]))
         self._slabs = Slabs(self.nodes, self.vertices.ordinary)
+
+    def push_vertices(self) -> None:
+        super().push_vertices()
+        if self._hourglass is not None:
+            self._hourglass.act(self.vertices, push=True)
+
+    def stored_energy(self) -> float:
+        return 0.0 if self._hourglass is None else self._hourglass.act(self.vertices, push=False)
+
+    def records_of(self, vertices: np.ndarray) -> np.ndarray:
+        return self.nodes.on_grid + np.searchsorted(self.vertices.enriched, vertices)
 
     def permute(self, order: np.ndarray) -> None:
         self._edges = np.ascontiguousarray(self._edges[order])
@@ -141,6 +158,9 @@ class ConvectedVertices(VertexMapping):
         self.vertices.position[:] = arrays["corners"]
         self.vertices.enrich(enriched)
         self._edges, self.fallen = np.array(arrays["edges"]), np.array(arrays["fallen"])
+        if self._hourglass is not None:
+            for particle in self.particles.id[self.fallen]:
+                self._hourglass.release(int(particle))
         self._slabs = Slabs(self.nodes, self.vertices.ordinary)
         self.update_domains()
 
@@ -218,6 +238,7 @@ class CPDI2(Interpolation):
 
     on_inversion: str = "stop"
     uses_vertices: ClassVar[bool] = True
+    shares_corners: ClassVar[bool] = True
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "sadeghirad2011", "sadeghirad2013")
 
     def __post_init__(self) -> None:

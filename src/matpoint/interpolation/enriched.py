@@ -10,10 +10,11 @@ import numpy as np
 from matpoint.errors import InputError
 from matpoint.interpolation.contract import Interpolation, Mapping, Setting
 from matpoint.interpolation.cpdi import ConvectedVertices, check_policy
+from matpoint.regions import Region
 
 
-def interface_vertices(connectivity: np.ndarray, material: np.ndarray, count: int, layers: int) -> np.ndarray:
-    """Vertices shared by particles of different materials, and those of ``layers`` layers around.
+def interface_vertices(connectivity: np.ndarray, material: np.ndarray, count: int) -> np.ndarray:
+    """Flag the vertices shared by particles of different materials, shape (count,).
 
     Parameters
     ----------
@@ -23,13 +24,10 @@ def interface_vertices(connectivity: np.ndarray, material: np.ndarray, count: in
         Material of each particle, shape (n,).
     count
         The number of vertices.
-    layers
-        How many layers of particles on both sides bring their vertices too.
 
-    Returns
-    -------
-    ndarray of int64
-        In ascending order; triple junctions and any number of materials follow from the rule.
+    Notes
+    -----
+    Triple junctions, closed curves and any number of materials follow from the rule.
     """
     used = connectivity >= 0
     vertex = connectivity[used]
@@ -37,11 +35,16 @@ def interface_vertices(connectivity: np.ndarray, material: np.ndarray, count: in
     lowest, highest = np.full(count, np.iinfo(np.int64).max), np.full(count, -1)
     np.minimum.at(lowest, vertex, owner)
     np.maximum.at(highest, vertex, owner)
-    chosen = highest > lowest
+    return highest > lowest
+
+
+def widen(chosen: np.ndarray, connectivity: np.ndarray, layers: int) -> np.ndarray:
+    """Return the flags of vertices with those of the ``layers`` nearest layers of particles added."""
+    chosen, used = chosen.copy(), connectivity >= 0
     for _ in range(layers):
         touching = (chosen[connectivity] & used).any(axis=1)
         chosen[connectivity[touching][used[touching]]] = True
-    return np.flatnonzero(chosen)
+    return chosen
 
 
 @dataclass(frozen=True)
@@ -54,25 +57,43 @@ class EnrichedCPDI2(Interpolation):
     Parameters
     ----------
     layers
-        0 enriches the vertices shared by particles of different materials; n also those of the n
-        nearest layers of particles on both sides.
+        0 enriches just the chosen vertices; n also those of the n nearest layers of particles on both
+        sides.
+    where
+        Which vertices are chosen: ``"interfaces"``, those shared by particles of different materials;
+        ``"all"``, which is a Lagrangian finite-element run with one stress per domain; or a region [m]
+        that the vertices begin in.
     on_inversion
         As for :class:`~matpoint.interpolation.cpdi.CPDI2`.
+    hourglass
+        Strength of hourglass control in domains all of whose corners are enriched; see
+        :class:`~matpoint.interpolation.hourglass.HourglassControl`. 0 leaves it out.
 
     Raises
     ------
     InputError
-        If ``layers`` is not a whole number >= 0.
+        If ``layers`` is not a whole number >= 0, ``where`` is none of the three, or ``hourglass`` is not
+        from 0 to 1.
     """
 
     layers: int = 0
+    where: str | Region = "interfaces"
     on_inversion: str = "stop"
+    hourglass: float = 0.0
     uses_vertices: ClassVar[bool] = True
+    shares_corners: ClassVar[bool] = True
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "sadeghirad2011", "sadeghirad2013")
 
     def __post_init__(self) -> None:
         if isinstance(self.layers, bool) or not isinstance(self.layers, int) or self.layers < 0:
             raise InputError(f"EnrichedCPDI2: layers = {self.layers!r} must be a whole number, 0 or more")
+        if self.where not in ("interfaces", "all") and not isinstance(self.where, Region):
+            raise InputError(
+                f'EnrichedCPDI2: where = {self.where!r}; "interfaces", "all" and a region are allowed'
+            )
+        number = isinstance(self.hourglass, int | float) and not isinstance(self.hourglass, bool)
+        if not (number and 0 <= self.hourglass <= 1):
+            raise InputError(f"EnrichedCPDI2: hourglass = {self.hourglass!r} must be from 0 to 1")
         check_policy("EnrichedCPDI2", self.on_inversion)
 
     @property
@@ -80,7 +101,14 @@ class EnrichedCPDI2(Interpolation):
         return "enriched-cpdi2"
 
     def bind(self, setting: Setting) -> Mapping:
-        chosen = interface_vertices(
-            setting.connectivity, setting.particles.material, len(setting.vertices), self.layers
-        )
-        return ConvectedVertices(setting, chosen, self.on_inversion)
+        corners, count = setting.connectivity, len(setting.vertices)
+        if isinstance(self.where, Region):
+            chosen = np.asarray(self.where.contains(setting.vertices), dtype=bool)
+            if not chosen.any():
+                raise InputError("EnrichedCPDI2: no corner of any particle domain lies in the region where")
+        elif self.where == "all":
+            chosen = np.ones(count, dtype=bool)
+        else:
+            chosen = interface_vertices(corners, setting.particles.material, count)
+        chosen = np.flatnonzero(widen(chosen, corners, self.layers))
+        return ConvectedVertices(setting, chosen, self.on_inversion, self.hourglass)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from matpoint.interpolation.box import Slabs, wide_bounds
 from matpoint.interpolation.contract import Mapping, ParticleError, Setting, first_fault
 from matpoint.kernels import vertex as kernels
+from matpoint.kernels.faces import add_forces
 from matpoint.kernels.locate import find_outside
 from matpoint.nodes import Nodes, hat_axis
 from matpoint.vertices import Vertices
@@ -28,6 +31,7 @@ class VertexMapping(Mapping):
             self._corner_bounds[0][k] -= _PAD * grid.cell[k]
             self._corner_bounds[1][k] += _PAD * grid.cell[k]
         self._slabs = Slabs(self.nodes, vertices.ordinary)
+        self._loads: Sequence[tuple[np.ndarray, np.ndarray]] = ()
         self.update_domains()
 
     @property
@@ -65,6 +69,8 @@ class VertexMapping(Mapping):
                 float(kinematic), float(dynamic), v.flat,
             ),
         )  # fmt: skip
+        if dynamic:
+            self.push_vertices()
         self.team.coloured(
             s.pointer,
             lambda slabs, a, b: kernels.vertices_to_nodes(
@@ -92,6 +98,14 @@ class VertexMapping(Mapping):
         )  # fmt: skip
         if move:
             self.move_vertices(dt)
+
+    def push(self, loads: Sequence[tuple[np.ndarray, np.ndarray]]) -> None:
+        self._loads = loads
+
+    def push_vertices(self) -> None:
+        """Add the forces that act on vertices themselves to their records."""
+        for vertices, force in self._loads:
+            add_forces(vertices, force, self.vertices.flat)
 
     def move_vertices(self, dt: float) -> None:
         """Take note of where the vertices go, if the grid's velocity carries them."""
