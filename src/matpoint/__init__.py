@@ -26,7 +26,7 @@ _PUBLIC: dict[str, tuple[str, ...]] = {
         "Where",
     ),
     "domains": ("Domains", "Kind"),
-    "meshes": ("domains_from_arrays", "extrude", "mesh_annulus", "mesh_box"),
+    "meshes": ("domains_from_arrays", "extrude", "mapped", "mesh_annulus", "mesh_box"),
     "fill": ("fill",),
     "body": ("Body",),
     "particles": ("Particles",),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -145,6 +145,24 @@ def extrude(domains: Domains, heights: Sequence[float]) -> Domains:
     }
     ends = {"z-": domains.cells[:, ::-1], "z+": domains.cells + (len(z) - 1) * nv}
     return Domains(x, np.concatenate(cells), Kind.HEX, sets=walls | ends)
+
+
+def mapped(domains: Domains, function: Callable[[np.ndarray], np.ndarray]) -> Domains:
+    """Return domains with their vertices moved: turned, sheared, bent to another shape.
+
+    Parameters
+    ----------
+    domains
+        Any domains; boundary sets stay.
+    function
+        Takes positions [m] of shape (nv, 3) and returns the new ones.
+
+    Raises
+    ------
+    InputError
+        As :class:`Domains`: if a domain turns over, or a missing axis gets coordinates.
+    """
+    return replace(domains, vertices=np.asarray(function(domains.vertices.copy())), checked=False)
 
 
 def domains_from_arrays(vertices: np.ndarray, cells: np.ndarray, kind: Kind) -> Domains:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from matpoint.ledger import take_entry
+from matpoint.quality import aspect_ratios, corner_jacobians
 
 if TYPE_CHECKING:
     from matpoint.simulation import Simulation
@@ -50,10 +51,22 @@ def _smallest_volume_ratio(sim: Simulation) -> float:
 
 
 def _domain_gap(sim: Simulation) -> float:
-    if sim.vertices is None:
-        return 0.0
+    return 0.0 if sim.vertices is None else float(domain_gaps(sim).max())
+
+
+def _smallest_corner_jacobian(sim: Simulation) -> float:
+    return 1.0 if sim.vertices is None else float(corner_jacobians(sim.vertices).min())
+
+
+def _largest_aspect_ratio(sim: Simulation) -> float:
+    return 1.0 if sim.vertices is None else float(aspect_ratios(sim.vertices).max())
+
+
+def domain_gaps(sim: Simulation) -> np.ndarray:
+    """Return |F by corner positions - F by rates| of each domain, in the particles' order, shape (n,)."""
+    assert sim.vertices is not None
     gap = sim.vertices.deformation() - sim.particles.deformation_gradient
-    return float(np.sqrt((gap**2).sum(axis=(1, 2)).max()))
+    return np.sqrt((gap**2).sum(axis=(1, 2)))
 
 
 def _largest_speed(sim: Simulation) -> float:
@@ -81,6 +94,10 @@ QUANTITIES: dict[str, Quantity] = {
     "domain_gap": Quantity(
         _domain_gap, "-", "largest |F by corner positions - F by rates|: hourglassing of CPDI2 domains"
     ),
+    "smallest_corner_jacobian": Quantity(
+        _smallest_corner_jacobian, "-", "smallest corner Jacobian over the domain's mean; 0 turns over"
+    ),
+    "largest_aspect_ratio": Quantity(_largest_aspect_ratio, "-", "largest ratio of a domain's edges"),
     "fallen_domains": Quantity(
         lambda sim: float(len(getattr(sim.engine.mapping, "fallen", ()))),
         "-",

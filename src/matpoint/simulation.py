@@ -175,8 +175,8 @@ class Simulation:
         """Yield the internal indices of the particles of each material, and the material."""
         yield from zip(self.engine.groups, self.materials, strict=True)
 
-    def vertex_spacing(self) -> float:
-        """Return the smallest spacing [m] of enriched vertices, or inf."""
+    def vertex_spacing(self) -> np.ndarray:
+        """Return the shortest edge [m] of each domain with an enriched vertex, inf for others."""
         return self.engine.mapping.spacing()
 
     def quantity(self, name: str) -> float:

@@ -166,9 +166,12 @@ class Mapping(ABC):
         """Return the energy [J] that the mapping itself stores (hourglass control)."""
         return 0.0
 
-    def spacing(self) -> float:
-        """Return the smallest spacing [m] of degrees of freedom that are not grid nodes, or inf."""
-        return float("inf")
+    def spacing(self) -> np.ndarray:
+        """Return the shortest edge [m] of each domain with an enriched vertex, inf for others, (n,).
+
+        Shape (1,) if no domain has one.
+        """
+        return np.full(1, np.inf)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from matpoint.interpolation.hourglass import HourglassControl
 from matpoint.interpolation.vertex import VertexMapping
 from matpoint.kernels.corners import SIGNS, corner_weights, parallelepipeds
 from matpoint.kernels.vertex import move_vertices
+from matpoint.quality import edge_lengths
 from matpoint.vertices import Vertices
 
 KIND_OF_DIM = (0, 1, 2)  # line, quadrilateral, hexahedron
@@ -175,31 +176,13 @@ class ConvectedVertices(VertexMapping):
         points[own >= 0] = self.vertices.position[self.vertices.enriched[own[own >= 0]]]
         return points
 
-    def spacing(self) -> float:
-        """The shortest distance [m] between two corners of a domain that has an enriched one."""
+    def spacing(self) -> np.ndarray:
         v = self.vertices
         if len(v.enriched) == 0:
-            return float("inf")
-        flags = v.is_enriched
-        shortest = np.inf
-        for kind, edges in _EDGES.items():
-            rows = v.connectivity[v.kind == kind]
-            rows = rows[flags[rows].any(axis=1)] if len(rows) else rows
-            for a, b in edges:
-                if len(rows):
-                    gap = v.position[rows[:, a]] - v.position[rows[:, b]]
-                    shortest = min(shortest, float(np.sqrt((gap**2).sum(axis=1)).min()))
-        return shortest
-
-
-_QUAD = ((0, 1), (1, 2), (2, 3), (3, 0))
-_EDGES = {
-    0: ((0, 1),),
-    1: _QUAD,
-    2: (*_QUAD, (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
-    3: ((0, 1), (1, 2), (2, 0)),
-    4: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
-}
+            return super().spacing()
+        used = np.arange(v.connectivity.shape[1]) < v.count[:, None]
+        touches = (v.is_enriched[v.connectivity] & used).any(axis=1)
+        return np.where(touches, edge_lengths(v)[0], np.inf)
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,12 @@ import numpy as np
 from matpoint.domains import Kind
 from matpoint.errors import InputError
 from matpoint.output.triggers import Trigger
+from matpoint.quality import aspect_ratios, corner_jacobians
+from matpoint.quantities import domain_gaps
 
 if TYPE_CHECKING:
     from matpoint.simulation import Simulation
+    from matpoint.vertices import Vertices
 
 _VTK_VERTEX = 1
 _VTK_CELL = {Kind.LINE: 3, Kind.QUAD: 9, Kind.HEX: 12, Kind.TRI: 5, Kind.TET: 10}
@@ -35,6 +38,16 @@ def _fields(sim: Simulation) -> dict[str, np.ndarray]:
     for k, name in enumerate(_state_names(sim)):
         fields[f"state.{name}"] = state[:, k]
     return fields
+
+
+def _domain_fields(sim: Simulation, vertices: Vertices) -> dict[str, np.ndarray]:
+    """The shape of each domain, in order of id."""
+    order = np.argsort(sim.particles.id)
+    return {
+        "corner_jacobian": corner_jacobians(vertices)[order],
+        "aspect_ratio": aspect_ratios(vertices)[order],
+        "domain_gap": domain_gaps(sim)[order],
+    }
 
 
 def _state_names(sim: Simulation) -> list[str]:
@@ -85,7 +98,7 @@ class VTKHDF:
             points, point_data = sim.particles.ordered("position"), particles
         else:
             v = sim.vertices
-            points, cells = v.position, particles
+            points, cells = v.position, particles | _domain_fields(sim, v)
             point_data = {
                 "displacement": v.position - v.position0,
                 "enriched": v.is_enriched.astype(np.uint8),

@@ -1,0 +1,57 @@
+"""The shape of particle domains: how near they are to turning over, how slender they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from matpoint.domains import Domains, Kind
+from matpoint.vertices import Vertices
+
+_QUAD = ((0, 1), (1, 2), (2, 3), (3, 0))
+#: Edges of each shape as pairs of corners.
+EDGES: dict[Kind, tuple[tuple[int, int], ...]] = {
+    Kind.LINE: ((0, 1),),
+    Kind.QUAD: _QUAD,
+    Kind.HEX: (*_QUAD, (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
+    Kind.TRI: ((0, 1), (1, 2), (2, 0)),
+    Kind.TET: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+}
+
+
+def _by_kind(vertices: Vertices) -> Iterator[tuple[np.ndarray, Kind, np.ndarray]]:
+    """Yield particles of one shape, the shape, and their corners."""
+    for kind in Kind:
+        rows = np.flatnonzero(vertices.kind == kind)
+        if len(rows):
+            yield rows, kind, vertices.connectivity[rows, : kind.corners]
+
+
+def corner_jacobians(vertices: Vertices) -> np.ndarray:
+    """Return the smallest corner Jacobian of each domain over its mean, shape (n,).
+
+    1 for parallelograms, parallelepipeds and simplices; 0 or less for a domain that has turned over.
+    """
+    result = np.ones(len(vertices.kind))
+    for rows, kind, cells in _by_kind(vertices):
+        domains = Domains(vertices.position, cells, kind, checked=True)
+        result[rows] = domains.corner_jacobians().min(axis=1) / np.abs(domains.volumes())
+    return result
+
+
+def edge_lengths(vertices: Vertices) -> tuple[np.ndarray, np.ndarray]:
+    """Return the shortest and the longest edge [m] of each domain, shape (n,) each."""
+    shortest, longest = np.empty(len(vertices.kind)), np.empty(len(vertices.kind))
+    for rows, kind, cells in _by_kind(vertices):
+        a, b = np.array(EDGES[kind]).T
+        gap = vertices.position[cells[:, b]] - vertices.position[cells[:, a]]
+        length = np.sqrt((gap**2).sum(axis=2))
+        shortest[rows], longest[rows] = length.min(axis=1), length.max(axis=1)
+    return shortest, longest
+
+
+def aspect_ratios(vertices: Vertices) -> np.ndarray:
+    """Return the longest over the shortest edge of each domain, shape (n,)."""
+    shortest, longest = edge_lengths(vertices)
+    return longest / shortest
