@@ -122,11 +122,32 @@ def overlap(named: Sequence[tuple[str, Domains]]) -> None:
                 )
 
 
+def overlap_within(name: str, domains: Domains) -> None:
+    """Refuse a mesh two of whose domains lie in one place; meshes that were filled can't have any.
+
+    Raises
+    ------
+    InputError
+        If the centroid of a domain lies in another domain of the body.
+    """
+    if domains.checked:
+        return
+    hit = _first_inside(domains.centroids(), domains, own=True)
+    if hit is not None:
+        raise InputError(
+            f"body {name!r}: two of its domains lie in one place, near"
+            f" ({', '.join(f'{c:g}' for c in hit[: domains.dim])}) m"
+        )
+
+
 _PAIRS = 1 << 18  # point-domain pairs looked at in one go
 
 
-def _first_inside(points: np.ndarray, domains: Domains) -> np.ndarray | None:
-    """The first point that lies in a domain, taken as the convex body of its faces' mean planes."""
+def _first_inside(points: np.ndarray, domains: Domains, own: bool = False) -> np.ndarray | None:
+    """The first point that lies in a domain, taken as the convex body of its faces' mean planes.
+
+    With ``own``, points are the domains' own centroids, and each may lie in its own.
+    """
     from scipy.spatial import KDTree  # noqa: PLC0415 (slow to import)
 
     x = domains.vertices[domains.cells]
@@ -139,6 +160,8 @@ def _first_inside(points: np.ndarray, domains: Domains) -> np.ndarray | None:
         owner = np.repeat(np.arange(len(some)), [len(c) for c in near])
         cells = np.concatenate([np.asarray(c, dtype=np.int64) for c in near])
         hit = _inside(some[owner], x[cells], domains.kind)
+        if own:
+            hit &= cells != owner + start
         if hit.any():
             return some[owner[hit].min()]
     return None

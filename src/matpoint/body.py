@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from matpoint.checks import numbers, whole
 from matpoint.domains import Domains
 from matpoint.errors import InputError
 from matpoint.faces import check_sets
@@ -53,12 +53,11 @@ class Body:
                 check_sets(self.geometry)
             except InputError as error:
                 raise InputError(f"{self.label}: {error}") from None
-        numbers = self.per_cell if isinstance(self.per_cell, tuple | list) else (self.per_cell,)
-        for n in numbers:
-            if isinstance(n, bool) or not isinstance(n, int) or n < 1:
-                raise InputError(f"{self.label}: per_cell = {self.per_cell!r} must be whole numbers >= 1")
-        if not callable(self.velocity) and not all(math.isfinite(v) for v in self.velocity):
-            raise InputError(f"{self.label}: velocity = {self.velocity!r} must be finite")
+        given = self.per_cell if isinstance(self.per_cell, tuple | list) else (self.per_cell,)
+        for n in given:
+            whole(f"{self.label}: per_cell", n)
+        if not callable(self.velocity):
+            numbers(f"{self.label}: velocity", self.velocity)
 
     @property
     def label(self) -> str:
@@ -80,8 +79,8 @@ class Body:
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
 
-    def initial_velocity(self, positions: np.ndarray) -> np.ndarray:
-        """Return the initial velocity [m/s] at positions (n, 3) [m]."""
+    def initial_velocity(self, positions: np.ndarray, dim: int) -> np.ndarray:
+        """Return the initial velocity [m/s] at positions (n, 3) [m] of a run in ``dim`` dimensions."""
         if callable(self.velocity):
             values = np.asarray(self.velocity(positions), dtype=float)
             if values.shape != positions.shape or not np.isfinite(values).all():
@@ -89,6 +88,8 @@ class Body:
                     f"{self.label}: velocity must return finite values of shape {positions.shape}"
                 )
             return values
+        if len(self.velocity) > dim:
+            raise InputError(f"{self.label}: velocity has {len(self.velocity)} numbers, the grid {dim} axes")
         values = np.zeros(3)
         values[: len(self.velocity)] = self.velocity
         return np.broadcast_to(values, positions.shape)

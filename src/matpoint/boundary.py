@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from matpoint.errors import InputError
+from matpoint.checks import number, numbers
+from matpoint.errors import InputError, NotFiniteError
 from matpoint.grid import Grid
 from matpoint.places import Corners, Plane, RegionLike, Surface, Where
 
@@ -22,13 +23,33 @@ def _select(where: Plane | RegionLike, grid: Grid, points: np.ndarray, walls_onl
     return np.asarray(where.contains(points), dtype=bool)
 
 
+def _evaluate(velocity: Velocity, x: np.ndarray, time: float) -> np.ndarray:
+    """Values [m/s] of a prescribed velocity, shape (m,)."""
+    with np.errstate(all="ignore"):  # what is not finite is refused
+        values = np.asarray(velocity(x, time), dtype=float)
+    if values.shape not in ((), (len(x),)):
+        raise InputError(
+            f"prescribed velocity: the function returned shape {values.shape}; ({len(x)},) is needed"
+        )
+    bad = np.flatnonzero(~np.isfinite(np.broadcast_to(values, len(x))))
+    if len(bad):
+        at = ", ".join(f"{c:g}" for c in x[bad[0]])
+        raise NotFiniteError(f"prescribed velocity: not a finite number at t = {time:g} s, at ({at}) m")
+    return values
+
+
 def _unit(normal: Sequence[float]) -> np.ndarray:
     vector = np.zeros(3)
-    vector[: len(normal)] = normal
+    vector[: len(normal)] = numbers("roller: normal", normal)
     length = float(np.linalg.norm(vector))
     if not math.isfinite(length) or length == 0.0:
         raise InputError(f"roller: normal = {list(normal)} must be a finite vector that is not zero")
     return vector / length
+
+
+def _check_place(what: str, where: object) -> None:
+    if not isinstance(where, Plane | Surface | Corners) and not hasattr(where, "contains"):
+        raise InputError(f"{what}: where = {where!r} must be a Plane, a Surface, Corners or a region")
 
 
 @dataclass(frozen=True)
@@ -42,6 +63,9 @@ class Fixed:
     """
 
     where: Where
+
+    def __post_init__(self) -> None:
+        _check_place("fixed", self.where)
 
     def components(self, dim: int) -> list[tuple[np.ndarray, float | Velocity]]:
         """Return the constrained directions and their velocities [m/s]."""
@@ -64,6 +88,7 @@ class Roller:
     normal: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
+        _check_place("roller", self.where)
         if self.normal is None and not isinstance(self.where, Plane):
             raise InputError("roller: a region of nodes needs a normal, for instance normal = (1, 0)")
         if self.normal is not None:
@@ -91,6 +116,10 @@ class Symmetry:
 
     where: Plane
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.where, Plane):
+            raise InputError(f"symmetry: where = {self.where!r} must be a Plane")
+
     def components(self, dim: int) -> list[tuple[np.ndarray, float | Velocity]]:
         """Return the constrained directions and their velocities [m/s]."""
         return Roller(self.where).components(dim)
@@ -113,11 +142,12 @@ class PrescribedVelocity:
     velocity: tuple[float | Velocity | None, ...]
 
     def __post_init__(self) -> None:
+        _check_place("prescribed velocity", self.where)
         if not self.velocity or all(v is None for v in self.velocity):
             raise InputError("prescribed velocity: every component is free; give at least one")
         for k, v in enumerate(self.velocity):
-            if v is not None and not callable(v) and not math.isfinite(v):
-                raise InputError(f"prescribed velocity: component {k} = {v!r} must be finite")
+            if v is not None and not callable(v):
+                number(f"prescribed velocity: component {k}", v, "a finite number, None or a function")
 
     def components(self, dim: int) -> list[tuple[np.ndarray, float | Velocity]]:
         """Return the constrained directions and their velocities [m/s]."""
@@ -162,7 +192,7 @@ class Constraints:
         direction: list[np.ndarray] = []
         self._moving: list[tuple[slice, float | Velocity, np.ndarray]] = []
         total = 0
-        for number, condition in reversed(list(enumerate(conditions))):
+        for place, condition in reversed(list(enumerate(conditions))):
             where = condition.where
             if isinstance(where, Surface | Corners):
                 chosen = vertex_records(where)
@@ -170,7 +200,7 @@ class Constraints:
                 chosen = np.flatnonzero(_select(where, grid, points, walls_only))
             if len(chosen) == 0:
                 raise InputError(
-                    f"boundary {number} ({type(condition).__name__}): no node lies in its region;"
+                    f"boundary {place} ({type(condition).__name__}): no node lies in its region;"
                     " enlarge it to hold at least one line of nodes"
                 )
             for towards, velocity in condition.components(grid.dim):
@@ -225,9 +255,7 @@ class Constraints:
             return np.zeros(len(self.index))
         given = np.zeros(self._raw)
         for part, velocity, x in self._moving:
-            given[part] = velocity(x, time) if callable(velocity) else velocity
-            if not np.isfinite(given[part]).all():
-                raise InputError(f"prescribed velocity: not a finite number at t = {time:g} s")
+            given[part] = _evaluate(velocity, x, time) if callable(velocity) else velocity
         values = np.zeros(len(self.index))
         so_far = np.zeros((self._nodes, 3))
         for slot in range(3):

@@ -50,7 +50,7 @@ class Domains:
     cells
         Corners of each domain, shape (n, corners), in VTK's order.
     kind
-        The shape of all of them.
+        The shape of all of them, or its name in lower case.
     checked
         True if the caller vouches for the mesh (filling does).
     sets
@@ -74,9 +74,12 @@ class Domains:
         try:
             vertices = np.ascontiguousarray(self.vertices, dtype=float)
             cells = np.ascontiguousarray(self.cells)
-            kind = Kind(self.kind)
+            kind = Kind[self.kind.upper()] if isinstance(self.kind, str) else Kind(self.kind)
             sets = {str(name): np.array(rows) for name, rows in self.sets.items()}
-        except (TypeError, ValueError) as error:
+        except KeyError:
+            names = ", ".join(k.name.lower() for k in Kind)
+            raise InputError(f"mesh: kind = {self.kind!r}; {names} are allowed") from None
+        except (TypeError, ValueError, AttributeError) as error:
             raise InputError(f"mesh: vertices and cells must be arrays of numbers ({error})") from None
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "cells", cells)
@@ -121,6 +124,10 @@ class Domains:
         bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
         if len(bad):
             raise InputError(f"mesh: cell {bad[0]} names a vertex twice: {cells[bad[0]].tolist()}")
+        _, first, count = np.unique(ordered, axis=0, return_index=True, return_counts=True)
+        if (count > 1).any():
+            twin = ordered[first[count > 1].min()].tolist()
+            raise InputError(f"mesh: two cells have the same corners, {twin}; keep one")
         used = np.zeros(len(x), dtype=bool)
         used[cells] = True
         if not used.all():

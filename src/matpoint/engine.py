@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from matpoint.boundary import Constraints
-from matpoint.errors import RunError
+from matpoint.errors import NotFiniteError, RunError
 from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Mapping, ParticleError
@@ -24,8 +24,8 @@ from matpoint.particles import Particles
 from matpoint.threads import Team
 
 _INVERTED = (
-    "det F is not positive or the stress is not finite: the material turned inside out; the MUSL scheme,"
-    " a smoother interpolation (GIMP, CPDI), a shorter step or smaller loads may help"
+    "det F is not positive or the stress is not finite: the material turned inside out; a shorter step,"
+    " smaller loads, the MUSL scheme, or finer cells or another interpolation may help"
 )
 
 
@@ -80,10 +80,15 @@ class Engine:
             self.mapping.before()
         except ParticleError as fault:
             raise self.fail(fault.particle, fault.cause) from None
-        self.body = self.loads.evaluate(self.particles, self.time)
-        if self.face_loads is not None and self.mapping.vertices is not None:
-            self._pushes = self.face_loads.evaluate(self.mapping.vertices, self.time)
-            self.mapping.push(self._pushes)
+        try:
+            self.body = self.loads.evaluate(self.particles, self.time)
+            if self.face_loads is not None and self.mapping.vertices is not None:
+                self._pushes = self.face_loads.evaluate(self.mapping.vertices, self.time)
+                self.mapping.push(self._pushes)
+        except NotFiniteError as fault:
+            if fault.particle is None:
+                raise
+            raise self.fail(fault.particle, str(fault)) from None
 
     def clear(self) -> None:
         """Empty the node records."""

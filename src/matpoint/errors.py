@@ -21,6 +21,22 @@ class InputError(MatpointError):
     exit_code = 2
 
 
+class NotFiniteError(InputError):
+    """A load or a condition is not a finite number.
+
+    Parameters
+    ----------
+    message
+        What, and at what time.
+    particle
+        Internal index of the first particle concerned, or None.
+    """
+
+    def __init__(self, message: str, particle: int | None = None) -> None:
+        super().__init__(message)
+        self.particle = particle
+
+
 class RunError(MatpointError):
     """A run failed after it had begun.
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from matpoint.errors import InputError
+from matpoint.checks import not_negative, number, numbers
+from matpoint.errors import InputError, NotFiniteError
 from matpoint.kernels.faces import face_forces
 from matpoint.places import Surface
 
@@ -23,11 +24,6 @@ History = Callable[[float], float]
 def _factor(ramp: float, history: History | None, time: float) -> float:
     factor = 1.0 if ramp == 0.0 else min(time / ramp, 1.0)
     return factor if history is None else factor * float(history(time))
-
-
-def _check_ramp(what: str, ramp: float) -> None:
-    if not math.isfinite(ramp) or ramp < 0:
-        raise InputError(f"{what}: ramp = {ramp!r} must be a time >= 0")
 
 
 @dataclass(frozen=True)
@@ -54,9 +50,8 @@ class Pressure:
     def __post_init__(self) -> None:
         if not isinstance(self.where, Surface):
             raise InputError(f"pressure: where = {self.where!r} must be a Surface")
-        if not math.isfinite(self.value):
-            raise InputError(f"pressure: value = {self.value!r} must be a finite number")
-        _check_ramp("pressure", self.ramp)
+        number("pressure: value", self.value)
+        not_negative("pressure: ramp", self.ramp)
 
     def parts(self, time: float) -> tuple[float, tuple[float, ...], bool]:
         """Return pressure [Pa], traction [Pa], and whether areas are the initial ones."""
@@ -89,11 +84,10 @@ class Traction:
     def __post_init__(self) -> None:
         if not isinstance(self.where, Surface):
             raise InputError(f"traction: where = {self.where!r} must be a Surface")
-        if not 1 <= len(self.value) <= 3 or not all(math.isfinite(v) for v in self.value):
-            raise InputError(f"traction: value = {list(self.value)} must be 1 to 3 finite numbers")
+        numbers("traction: value", self.value)
         if self.per not in ("initial", "current"):
             raise InputError(f'traction: per = {self.per!r}; "initial" and "current" are allowed')
-        _check_ramp("traction", self.ramp)
+        not_negative("traction: ramp", self.ramp)
 
     def parts(self, time: float) -> tuple[float, tuple[float, ...], bool]:
         """Return pressure [Pa], traction [Pa], and whether areas are the initial ones."""
@@ -127,7 +121,7 @@ class FaceLoads:
         for load, corners, sign, force in self._loads:
             pressure, traction, initial = load.parts(time)
             if not math.isfinite(pressure + sum(traction)):
-                raise InputError(
+                raise NotFiniteError(
                     f"{type(load).__name__.lower()}: its history is not a finite number at t = {time:g} s"
                 )
             x = vertices.position0 if initial else vertices.position

@@ -5,23 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 
+from matpoint.checks import numbers
 from matpoint.errors import InputError
 
 _EXACT = 1e-6  # how far, in cells, the box may be from a whole number of cells
 
 
 def _numbers(name: str, values: Sequence[float] | float) -> tuple[float, ...]:
-    items = (values,) if isinstance(values, int | float) else tuple(values)
-    try:
-        numbers = tuple(float(v) for v in items)
-    except (TypeError, ValueError):
-        raise InputError(f"grid: {name} = {values!r} must be a list of numbers") from None
-    if not 1 <= len(numbers) <= 3:
-        raise InputError(f"grid: {name} has {len(numbers)} numbers; 1, 2 or 3 are allowed")
-    if not all(math.isfinite(v) for v in numbers):
-        raise InputError(f"grid: {name} = {list(numbers)} must be finite")
-    return numbers
+    return numbers(f"grid: {name}", (values,) if isinstance(values, Real) else values)
 
 
 @dataclass(frozen=True)

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from matpoint.errors import InputError
+from matpoint.checks import function, not_negative, number, numbers
+from matpoint.errors import InputError, NotFiniteError
 from matpoint.particles import Particles
 
 History = Callable[[float], float]
 Field = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
-
-
-def _finite(what: str, values: Sequence[float]) -> tuple[float, ...]:
-    numbers = tuple(float(v) for v in values)
-    if not 1 <= len(numbers) <= 3 or not all(math.isfinite(v) for v in numbers):
-        raise InputError(f"{what} = {list(values)} must be 1 to 3 finite numbers")
-    return numbers
 
 
 @dataclass(frozen=True)
@@ -42,9 +35,10 @@ class Gravity:
     history: History | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "acceleration", _finite("gravity: acceleration", self.acceleration))
-        if not math.isfinite(self.ramp) or self.ramp < 0:
-            raise InputError(f"gravity: ramp = {self.ramp!r} must be a time >= 0")
+        object.__setattr__(self, "acceleration", numbers("gravity: acceleration", self.acceleration))
+        not_negative("gravity: ramp", self.ramp)
+        if self.history is not None:
+            function("gravity: history", self.history)
 
     def at(self, time: float) -> np.ndarray:
         """Return the acceleration [m/s^2] at a time [s], shape (3,)."""
@@ -70,12 +64,24 @@ class BodyForce:
 
     function: Field
 
+    def __post_init__(self) -> None:
+        function("body force: function", self.function)
+
 
 Load = Gravity | BodyForce
 
 
 def _is_compiled(function: Any) -> bool:
     return hasattr(function, "py_func")
+
+
+def _checked(values: np.ndarray, what: str, time: float) -> np.ndarray:
+    """Return accelerations [m/s^2] that are numbers; name the load and the first particle if not."""
+    bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    if len(bad):
+        particle = int(bad[0]) if len(values) > 1 else None
+        raise NotFiniteError(f"{what}: not a finite number at t = {time:g} s", particle)
+    return values
 
 
 class Loads:
@@ -85,29 +91,29 @@ class Loads:
         for load in loads:
             if isinstance(load, Gravity) and len(load.acceleration) > dim:
                 raise InputError(f"gravity: {len(load.acceleration)} components for {dim} axes")
-        self._uniform = [load for load in loads if isinstance(load, Gravity)]
-        self._fields = [load.function for load in loads if isinstance(load, BodyForce)]
+        self._uniform = [(k, load) for k, load in enumerate(loads) if isinstance(load, Gravity)]
+        self._fields = [(k, load.function) for k, load in enumerate(loads) if isinstance(load, BodyForce)]
 
     def evaluate(self, particles: Particles, time: float) -> np.ndarray:
         """Return the body force per mass [m/s^2], shape (1, 3) if uniform, else (n, 3)."""
         total = np.zeros((1, 3))
-        for gravity in self._uniform:
-            total += gravity.at(time)
-        for function in self._fields:
-            total = total + self._field(function, particles, time)
-        if not np.isfinite(total).all():
-            raise InputError(f"loads: the body force is not a finite number at t = {time:g} s")
+        with np.errstate(all="ignore"):  # what is not finite is refused by name
+            for k, gravity in self._uniform:
+                total += _checked(gravity.at(time)[None], f"load {k} (gravity)", time)
+            for k, field in self._fields:
+                part = self._field(field, particles, time)
+                total = total + _checked(part, f"load {k} (body force)", time)
         return np.ascontiguousarray(total)
 
     @staticmethod
-    def _field(function: Any, particles: Particles, time: float) -> np.ndarray:
-        if _is_compiled(function):
+    def _field(field: Any, particles: Particles, time: float) -> np.ndarray:
+        if _is_compiled(field):
             from matpoint.kernels.fields import per_particle  # noqa: PLC0415 (compiles)
 
             values = np.empty_like(particles.position)
-            per_particle(function, particles.position0, particles.position, time, values)
+            per_particle(field, particles.position0, particles.position, time, values)
             return values
-        values = np.asarray(function(particles.position0, particles.position, time), dtype=float)
+        values = np.asarray(field(particles.position0, particles.position, time), dtype=float)
         if values.shape != particles.position.shape:
             raise InputError(
                 f"body force: it returned shape {values.shape}; {particles.position.shape} is needed"
@@ -136,8 +142,7 @@ class MassDamping:
     rate: float
 
     def __post_init__(self) -> None:
-        if not math.isfinite(self.rate) or self.rate < 0:
-            raise InputError(f"mass damping: rate = {self.rate!r} must be a number >= 0")
+        not_negative("mass damping: rate", self.rate)
 
     @property
     def factor(self) -> float:
@@ -158,7 +163,7 @@ class LocalDamping:
     factor: float
 
     def __post_init__(self) -> None:
-        if not math.isfinite(self.factor) or not 0 <= self.factor < 1:
+        if not 0 <= number("local damping: factor", self.factor) < 1:
             raise InputError(f"local damping: factor = {self.factor!r} must be from 0 to below 1")
 
     @property

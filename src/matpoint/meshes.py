@@ -165,7 +165,23 @@ def mapped(domains: Domains, function: Callable[[np.ndarray], np.ndarray]) -> Do
     return replace(domains, vertices=np.asarray(function(domains.vertices.copy())), checked=False)
 
 
-def domains_from_arrays(vertices: np.ndarray, cells: np.ndarray, kind: Kind) -> Domains:
+def _join_twins(x: np.ndarray, cells: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Make one vertex of those that lie in one place, so that neighbours share it."""
+    from scipy.spatial import KDTree  # noqa: PLC0415 (slow to import)
+
+    reach = tolerance * float(np.ptp(x, axis=0).max(initial=0.0))
+    pairs = KDTree(x).query_pairs(reach, output_type="ndarray")
+    if len(pairs) == 0:
+        return x, cells
+    first = np.arange(len(x))
+    np.minimum.at(first, pairs.max(axis=1), pairs.min(axis=1))
+    kept, number = np.unique(first[first], return_inverse=True)
+    return x[kept], number[cells]
+
+
+def domains_from_arrays(
+    vertices: np.ndarray, cells: np.ndarray, kind: Kind | str, tolerance: float = 1e-9
+) -> Domains:
     """Return domains from vertex and connectivity arrays.
 
     Parameters
@@ -176,15 +192,24 @@ def domains_from_arrays(vertices: np.ndarray, cells: np.ndarray, kind: Kind) -> 
         Corners of each domain in VTK's order, shape (n, corners).
     kind
         Their shape.
+    tolerance
+        Vertices nearer than this share of the mesh's extent become one, so that their domains are joined.
 
     Raises
     ------
     InputError
         As :class:`Domains`.
     """
-    given = np.asarray(vertices, dtype=float)
+    try:
+        given = np.asarray(vertices, dtype=float)
+        numbered = np.asarray(cells)
+    except (TypeError, ValueError):
+        raise InputError("mesh: vertices and cells must be arrays of numbers, rows equally long") from None
     if given.ndim != 2 or not 1 <= given.shape[1] <= 3:
         raise InputError(f"mesh: vertices have shape {given.shape}; (number, 1 to 3) is needed")
     x = np.zeros((len(given), 3))
     x[:, : given.shape[1]] = given
-    return Domains(x, np.asarray(cells), kind)
+    ready = numbered.ndim == 2 and np.issubdtype(numbered.dtype, np.integer) and np.isfinite(x).all()
+    if ready and len(x) and numbered.size and numbered.min() >= 0 and numbered.max() < len(x):
+        x, numbered = _join_twins(x, numbered, tolerance)
+    return Domains(x, numbered, kind)  # type: ignore[arg-type] (names are taken too)

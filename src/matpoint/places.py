@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from matpoint.checks import number
 from matpoint.errors import InputError
 from matpoint.grid import Grid
 
@@ -44,8 +44,7 @@ class Plane:
     def __post_init__(self) -> None:
         if self.axis not in (*_AXES, 0, 1, 2) or isinstance(self.axis, bool):
             raise InputError(f'plane: axis = {self.axis!r}; "x", "y", "z" are allowed')
-        if not math.isfinite(self.at):
-            raise InputError(f"plane: at = {self.at!r} must be finite")
+        number("plane: at", self.at)
         if self.side not in (None, "lower", "upper"):
             raise InputError(f'plane: side = {self.side!r}; "lower" and "upper" are allowed')
 

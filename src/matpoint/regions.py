@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from matpoint.checks import instance, number, numbers, positive
 from matpoint.errors import InputError
 
 Bounds = tuple[np.ndarray, np.ndarray]
@@ -16,18 +17,8 @@ _HAIR = 1e-9  # of the extent: points on a face count as inside
 
 
 def _point(what: str, values: Sequence[float], fill: float = 0.0) -> np.ndarray:
-    try:
-        numbers = np.array([float(v) for v in values])
-    except (TypeError, ValueError):
-        raise InputError(f"{what} = {values!r} must be a list of numbers") from None
-    if not 1 <= len(numbers) <= 3 or not np.isfinite(numbers).all():
-        raise InputError(f"{what} = {list(values)} must be 1 to 3 finite numbers")
-    return np.concatenate([numbers, np.full(3 - len(numbers), fill)])
-
-
-def _positive(what: str, value: float) -> None:
-    if not (isinstance(value, int | float) and math.isfinite(value) and value > 0):
-        raise InputError(f"{what} = {value!r} must be a positive number")
+    given = numbers(what, values)
+    return np.array([*given, *(fill,) * (3 - len(given))])
 
 
 class Region(ABC):
@@ -101,7 +92,7 @@ class Ball(Region):
 
     def __post_init__(self) -> None:
         _point("ball: centre", self.centre)
-        _positive("ball: radius", self.radius)
+        positive("ball: radius", self.radius)
 
     def contains(self, points: np.ndarray) -> np.ndarray:
         gap = points - _point("ball: centre", self.centre)
@@ -132,8 +123,8 @@ class Annulus(Region):
     centre: tuple[float, ...] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        _positive("annulus: outer", self.outer)
-        if not (isinstance(self.inner, int | float) and 0 <= self.inner < self.outer):
+        positive("annulus: outer", self.outer)
+        if not 0 <= number("annulus: inner", self.inner) < self.outer:
             raise InputError(
                 f"annulus: inner = {self.inner!r} must be from 0 to below outer = {self.outer:g}"
             )
@@ -231,12 +222,20 @@ class HalfSpace(Region):
         return low, high
 
 
+def _check_parts(*parts: object) -> None:
+    for part in parts:
+        instance("region", part, Region, "a region, to be combined with another")
+
+
 @dataclass(frozen=True)
 class Union(Region):
     """All points of either region."""
 
     first: Region
     second: Region
+
+    def __post_init__(self) -> None:
+        _check_parts(self.first, self.second)
 
     def contains(self, points: np.ndarray) -> np.ndarray:
         return self.first.contains(points) | self.second.contains(points)
@@ -253,6 +252,9 @@ class Difference(Region):
     first: Region
     second: Region
 
+    def __post_init__(self) -> None:
+        _check_parts(self.first, self.second)
+
     def contains(self, points: np.ndarray) -> np.ndarray:
         return self.first.contains(points) & ~self.second.contains(points)
 
@@ -266,6 +268,9 @@ class Intersection(Region):
 
     first: Region
     second: Region
+
+    def __post_init__(self) -> None:
+        _check_parts(self.first, self.second)
 
     def contains(self, points: np.ndarray) -> np.ndarray:
         return self.first.contains(points) & self.second.contains(points)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from matpoint.assembly import merge, overlap
+from matpoint.assembly import merge, overlap, overlap_within
 from matpoint.body import Body
 from matpoint.domains import Domains
 from matpoint.errors import InputError
@@ -64,6 +64,8 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
         _check_inside(grid, body, domains)
     names = [body.name or f"number {k}" for k, body in enumerate(bodies)]
     overlap(list(zip(names, parts, strict=True)))
+    for name, domains in zip(names, parts, strict=True):
+        overlap_within(name, domains)
     materials, chosen = distinct_materials(bodies)
     joined = merge(parts, names)
     owner = joined.body
@@ -75,7 +77,7 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
     stiffness = np.zeros(len(owner))
     for k, body in enumerate(bodies):
         mine = particles.body == k
-        particles.velocity[mine] = body.initial_velocity(particles.position[mine])
+        particles.velocity[mine] = body.initial_velocity(particles.position[mine], grid.dim)
         particles.mass[mine] = body.material.density * particles.volume0[mine]
         speed = body.material.wave_speed(np.eye(3)[None])[0]
         stiffness[mine] = body.material.density * speed**2

@@ -12,6 +12,8 @@ import numpy as np
 
 from matpoint.body import Body
 from matpoint.boundary import Condition, Constraints
+from matpoint.checks import number, positive, whole
+from matpoint.combinations import check_arguments, refuse_combinations
 from matpoint.engine import Engine
 from matpoint.errors import InputError
 from matpoint.face_loads import FaceLoad, FaceLoads
@@ -79,14 +81,14 @@ class Simulation:
         sort_every: int = 100,
         sample_every: int = 10,
     ) -> None:
+        check_arguments(grid, bodies, interpolation, timestep, scheme, boundaries, loads, damping)
         self.grid, self.bodies, self.interpolation = grid, tuple(bodies), interpolation
         self.scheme = USL() if scheme is None else scheme
         self.timestep = timestep
         for name, value in (("sort_every", sort_every), ("sample_every", sample_every)):
-            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-                raise InputError(f"simulation: {name} = {value!r} must be a whole number >= 1")
+            whole(f"simulation: {name}", value)
         self.sort_every, self.sample_every = sort_every, sample_every
-        self._refuse_combinations(boundaries, loads)
+        refuse_combinations(self.dim, interpolation, self.scheme, boundaries, loads)
         self.notes: list[str] = []
         team = Team(threads)
         setting, materials = make_setting(grid, self.bodies, team)
@@ -118,6 +120,9 @@ class Simulation:
             team,
             self.scheme.transfer.share,
         )
+        # What is not a number from the start is refused here, before any file is made.
+        self.engine.loads.evaluate(setting.particles, 0.0)
+        constraints.velocities(0.0)
         self.engine.dt = self._first_step()
         entry = take_entry(self.engine)
         self.ledger = Ledger(entry, entry)
@@ -194,8 +199,8 @@ class Simulation:
     def explain(self) -> str:
         """Return the stages of a step as a table: stage, equation, arrays read and written."""
         lines = []
-        for number, stage in enumerate(self.scheme.stages, 1):
-            lines.append(f"{number:2d}. {stage.name}: {stage.equation}")
+        for place, stage in enumerate(self.scheme.stages, 1):
+            lines.append(f"{place:2d}. {stage.name}: {stage.equation}")
             lines.append(f"      reads {', '.join(stage.reads) or '-'}; writes {', '.join(stage.writes)}")
         return "\n".join(lines)
 
@@ -222,14 +227,17 @@ class Simulation:
         KeyboardInterrupt
             After Ctrl-C, once the step is finished and the files are closed.
         """
-        if not math.isfinite(until) or until <= self.time:
+        for writer in writers:
+            if not all(hasattr(writer, name) for name in ("trigger", "open", "write", "close")):
+                raise InputError(f"run: {writer!r} is not a writer (History, VTKHDF, Recorder, ...)")
+        if number("run: end time", until) <= self.time:
             raise InputError(f"run: end time {until!r} s must lie after the start, {self.time:g} s")
         run_steps(self, until, tuple(writers), progress)
 
     def advance(self, dt: float) -> None:
         """Make one step of length ``dt`` [s]."""
         engine = self.engine
-        engine.dt = dt
+        engine.dt = positive("advance: dt", dt)
         if engine.step % self.sort_every == 0 and engine.step > 0:
             self.sort()
         for stage in self.scheme.stages:
@@ -254,24 +262,6 @@ class Simulation:
         places = [c.where for c in boundaries if isinstance(c.where, Surface | Corners)]
         held = [setting.vertices_at(where) for where in places]
         return np.unique(np.concatenate(held)) if held else np.zeros(0, dtype=np.int64)
-
-    def _refuse_combinations(self, boundaries: Sequence[Condition], loads: Sequence[Load | FaceLoad]) -> None:
-        name = self.interpolation.name
-        on_corners = [type(c).__name__ for c in boundaries if isinstance(c.where, Surface | Corners)]
-        on_corners += [type(load).__name__ for load in loads if isinstance(load, FaceLoad)]
-        if on_corners and not self.interpolation.shares_corners:
-            raise InputError(
-                f"{on_corners[0]} on corners or faces of particle domains: {name} has none that are shared;"
-                " use cpdi2 or enriched-cpdi2"
-            )
-        if self.dim not in self.interpolation.dimensions:
-            allowed = ", ".join(f"{d}-D" for d in self.interpolation.dimensions)
-            raise InputError(f"{name} serves {allowed}; the grid is {self.dim}-D")
-        if isinstance(self.scheme.transfer, APIC) and self.interpolation.uses_vertices:
-            raise InputError(
-                f"{name} with APIC: an affine velocity needs a point with a block of nodes;"
-                " use FLIP or PIC, or a box-family interpolation (mpm, ugimp, cpgimp, bspline2, bspline3)"
-            )
 
     def _first_step(self) -> float:
         limit = stable_step(self)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from matpoint.checks import number, positive, whole
 from matpoint.errors import InputError
 
 if TYPE_CHECKING:
@@ -32,8 +33,7 @@ class FixedStep:
     allow_unstable: bool = False
 
     def __post_init__(self) -> None:
-        if not math.isfinite(self.dt) or self.dt <= 0:
-            raise InputError(f"time step: dt = {self.dt!r} must be a positive number")
+        positive("time step: dt", self.dt)
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,11 @@ class CFL:
     largest: float = math.inf
 
     def __post_init__(self) -> None:
-        if not 0 < self.fraction <= 1:
+        if not 0 < number("time step: CFL fraction", self.fraction) <= 1:
             raise InputError(f"time step: CFL fraction = {self.fraction!r} must be in (0, 1]")
-        if isinstance(self.every, bool) or not isinstance(self.every, int) or self.every < 1:
-            raise InputError(f"time step: every = {self.every!r} must be a whole number >= 1")
-        if not self.largest > 0:
-            raise InputError(f"time step: largest = {self.largest!r} must be a positive number")
+        whole("time step: every", self.every)
+        if self.largest != math.inf:
+            positive("time step: largest", self.largest)
 
 
 TimeStep = FixedStep | CFL

@@ -91,6 +91,11 @@ class Material(ABC):
         """Largest kinematic viscosity [m²/s] that an explicit step must resolve; 0 for most."""
         return 0.0
 
+    @property
+    def plotted_strain(self) -> float:
+        """The strain up to which :meth:`plot` draws, where the law shows what it is."""
+        return 0.3
+
     def initial_state(self, n: int) -> Array:
         """Return the internal variables of n particles at the start, (n, S)."""
         return np.tile(np.array(list(self.state_variables.values()), dtype=np.float64), (n, 1))

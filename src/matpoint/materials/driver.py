@@ -174,7 +174,7 @@ def _free_sides(point: _Point, stretch: float, dt: float) -> Array:
     raise InputError(f"uniaxial: no lateral stretch frees the sides at a stretch of {stretch:g}")
 
 
-def plot(material: Material, path: str | Path | None = None, strain: float = 0.3) -> Figure:
+def plot(material: Material, path: str | Path | None = None, strain: float | None = None) -> Figure:
     """Draw uniaxial strain, uniaxial stress and simple shear up to a strain, each within 1 s.
 
     Parameters
@@ -184,7 +184,7 @@ def plot(material: Material, path: str | Path | None = None, strain: float = 0.3
     path
         File to write, its suffix giving the format, or None.
     strain
-        Largest amount of stretching, compression and shear, in (0, 1).
+        Largest amount of stretching, compression and shear, in (0, 1); None takes the material's own.
 
     Returns
     -------
@@ -199,8 +199,10 @@ def plot(material: Material, path: str | Path | None = None, strain: float = 0.3
 
     figure = Figure(figsize=(9.0, 3.8), layout="constrained")
     left, right = figure.subplots(1, 2)
-    ramp = np.linspace(0.0, strain, 61)
-    dt = 1.0 / 60.0
+    ramp = np.linspace(0.0, material.plotted_strain if strain is None else strain, 121)
+    dt = 1.0 / 120.0
+    # A rate-dependent law answers to the first step, not to rest: its curve begins there.
+    begin = 1 if material.diffusivity > 0 else 0
     for lateral, colour in (("strain", "C0"), ("stress", "C1")):
         try:
             ways = [uniaxial(material, 1.0 + sign * ramp, lateral, dt).stress[:, 0] for sign in (-1.0, 1.0)]
@@ -210,8 +212,8 @@ def plot(material: Material, path: str | Path | None = None, strain: float = 0.3
         left.plot(stretches, np.concatenate([ways[0][::-1], ways[1]]), colour, label=f"uniaxial {lateral}")
     left.set(xlabel="stretch", ylabel="σ_xx [Pa]")
     stress = shear(material, ramp, dt).stress
-    right.plot(ramp, stress[:, 3], "C0", label="σ_xy")
-    right.plot(ramp, stress[:, 0] - stress[:, 1], "C1--", label="σ_xx - σ_yy")
+    right.plot(ramp[begin:], stress[begin:, 3], "C0", label="σ_xy")
+    right.plot(ramp[begin:], (stress[:, 0] - stress[:, 1])[begin:], "C1--", label="σ_xx - σ_yy")
     right.set(xlabel="amount of shear", ylabel="stress in simple shear [Pa]")
     for axes in (left, right):
         axes.axhline(0.0, color="0.8", linewidth=0.8, zorder=0)

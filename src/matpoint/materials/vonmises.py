@@ -112,6 +112,11 @@ class VonMises(Elastic):
         """b_e (identity) and the equivalent plastic strain (0)."""
         return _STATE
 
+    @property
+    def plotted_strain(self) -> float:
+        """Twenty times the strain at first yield in tension, at most 0.3."""
+        return min(0.3, 20.0 * float(self.yield_stress) / float(self.E))
+
     def _elastic_strain(self, F: Array, state: Array | None) -> Array:
         """Return the principal logarithmic elastic strains, (n, 3), their sum set to ln J."""
         mean = np.log(determinants(F))[:, None] / 3.0
