@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solid_blocks import LAME, RHO, SHEAR, boundary, solid
+from solid_blocks import LAME, RHO, SHEAR, block, boundary, solid
 
 from matpoint.errors import InputError, RunError
+from matpoint.reference.elastica import Elastica
 from matpoint.reference.prescribed import Prescribed
 from matpoint.reference.solid import Solid
 from matpoint.reference.static import solve_static
@@ -94,6 +95,23 @@ def test_static_error_is_of_order_two(kind):
     assert errors[-1] < 2e-3
 
 
+def test_slender_cantilever_is_an_elastica():
+    """P L^2/(E I) = 10: nu = 0, so that plane strain has the modulus of a bar."""
+    thick = 0.04
+    X, cells = block("quad", (120, 2), (1.0, thick))
+    body = Solid(X, cells, "quad", 0.0, 0.5e6, 1.0)
+    stiffness = 1e6 * thick**3 / 12
+    w, u = Elastica(1.0, stiffness, 10 * stiffness).tip()
+    end, held = np.flatnonzero(X[:, 0] == 1.0), np.flatnonzero(X[:, 0] == 0.0)
+    pull = np.zeros_like(X)
+    pull[end, 1] = 10 * stiffness * np.array([0.25, 0.5, 0.25])
+    give = [Prescribed(held, 0), Prescribed(held, 1)]
+    result = solve_static(body, prescribed=give, nodal=pull, increments=8)
+    tip = result.displacement[end].mean(axis=0)
+    np.testing.assert_allclose(tip, [-u, w], rtol=0.01)
+    np.testing.assert_allclose(result.reactions.sum(axis=0), [0.0, -10 * stiffness], atol=1e-7)
+
+
 @pytest.mark.parametrize(
     ("change", "word"),
     [
@@ -127,5 +145,6 @@ def test_bad_static_problems_are_refused():
         solve_static(body, prescribed=[])
     with pytest.raises(InputError, match="increments"):
         solve_static(body, prescribed=[Prescribed(np.arange(2), 0)], increments=0)
+    crush = [Prescribed(np.arange(4), 0, lambda X, s: -2 * s * X[:, 0]), Prescribed(np.arange(4), 1)]
     with pytest.raises(RunError, match="turns"):
-        solve_static(body, prescribed=[Prescribed(np.arange(4), 0, lambda X, s: -2 * s * X[:, 0])])
+        solve_static(body, prescribed=crush)

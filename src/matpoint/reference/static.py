@@ -29,7 +29,7 @@ class StaticSolution:
     reactions : ndarray, shape (nv, d)
         Forces that hold the prescribed components [N], 0 elsewhere.
     iterations : tuple of int
-        Newton's, of each increment.
+        Newton's, of each increment that converged.
     """
 
     displacement: np.ndarray
@@ -61,7 +61,7 @@ def solve_static(
     nodal
         Dead forces [N], shape (nv, d) or (d,).
     increments
-        How many.
+        How many; one that fails is halved, down to a thousandth.
     tolerance
         Residual relative to the largest nodal force at which an increment has converged.
 
@@ -70,7 +70,7 @@ def solve_static(
     InputError
         If an argument has a wrong shape or value, or nothing is prescribed.
     RunError
-        If Newton's method fails; more increments may help.
+        If Newton's method fails all the same; the error's time is the share of the load.
     """
     if increments < 1 or not 0 < tolerance < 1:
         raise InputError(
@@ -86,11 +86,19 @@ def solve_static(
     if nodal is not None:
         load += nodal_values("nodal", nodal, solid)
     u, counts = np.zeros_like(load), []
-    for k in range(1, increments + 1):
-        share = k / increments
-        target = u.copy()
+    done, size = 0.0, 1.0 / increments
+    while done < 1.0:
+        share = 1.0 if done + size > 1.0 - 1e-9 else done + size
+        trial, target = u.copy(), u.copy()
         table.put(target, share, share)
-        counts.append(_newton(solid, u, target - u, share * load, table.fixed, tolerance, k))
+        try:
+            counts.append(_newton(solid, trial, target - u, share * load, table.fixed, tolerance))
+        except RunError as error:
+            size *= 0.5
+            if size * increments < 1e-3:
+                raise RunError(error.cause, step=len(counts) + 1, time=share) from None
+        else:
+            u, done = trial, share
     reactions = np.where(table.fixed, solid.forces(u)[0] - load, 0.0)
     return StaticSolution(u.T.copy(), solid.stress(u), reactions.T, tuple(counts))
 
@@ -102,17 +110,16 @@ def _newton(
     load: np.ndarray,
     fixed: np.ndarray,
     tolerance: float,
-    increment: int,
 ) -> int:
     """Bring u (d, nv) to equilibrium in place; the first iteration adds the prescribed jump."""
     given = np.flatnonzero(fixed.T)
     free = np.flatnonzero(~fixed.T)
     internal, _ = solid.forces(u)
-    for iteration in range(1, 31):
+    for iteration in range(1, 21):
         K = solid.stiffness(u)
         change = jump.T.ravel()
         right = (load - internal).T.ravel()[free] - K[free][:, given] @ change[given]
-        change[free] = _solve(K[free][:, free], right, increment)
+        change[free] = _solve(K[free][:, free], right)
         move = change.reshape(u.shape[::-1]).T
         jump = np.zeros_like(jump)
         scale = 1.0
@@ -121,19 +128,15 @@ def _newton(
             scale *= 0.5
             internal, J = solid.forces(u + scale * move)
         if not J.min() > 0:
-            raise RunError(
-                f"increment {increment} turns a finite-element cell over; take more increments",
-                step=increment,
-                time=0.0,
-            )
+            raise RunError("an increment of the load turns a finite-element cell over", step=0, time=0.0)
         u += scale * move
         size = max(np.abs(internal).max(), np.abs(load).max(), np.finfo(float).tiny)
         if np.abs((load - internal).T.ravel()[free]).max(initial=0.0) <= tolerance * size:
             return iteration
-    raise RunError(f"increment {increment} did not converge; take more increments", step=increment, time=0.0)
+    raise RunError("Newton's method did not converge", step=0, time=0.0)
 
 
-def _solve(K: csc_array, right: np.ndarray, increment: int) -> np.ndarray:
+def _solve(K: csc_array, right: np.ndarray) -> np.ndarray:
     from scipy.sparse.linalg import splu  # noqa: PLC0415 (loaded when used)
 
     if len(right) == 0:
@@ -141,9 +144,5 @@ def _solve(K: csc_array, right: np.ndarray, increment: int) -> np.ndarray:
     try:
         factors = splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError:
-        raise RunError(
-            f"increment {increment}: the tangent is singular; hold the solid, or take more increments",
-            step=increment,
-            time=0.0,
-        ) from None
+        raise RunError("the tangent is singular; is the solid held?", step=0, time=0.0) from None
     return factors.solve(right)
