@@ -46,6 +46,8 @@ class Inclusion:
     _turn: complex = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        if len(self.radii) == 0:
+            raise InputError("inclusion: radii are empty; the disc needs one")
         layers = len(self.radii) + 1
         needed = {"radii": layers - 1, "youngs": layers, "poissons": layers, "strain": 3}
         for name, count in needed.items():
@@ -53,8 +55,8 @@ class Inclusion:
             object.__setattr__(self, name, values)
             if len(values) != count or not np.isfinite(values).all():
                 raise InputError(f"inclusion: {name} = {values} must be {count} finite numbers")
-        if len(self.radii) == 0 or not (np.diff([0.0, *self.radii]) > 0).all():
-            raise InputError(f"inclusion: radii = {self.radii} must be positive, increasing, one at least")
+        if not (np.diff([0.0, *self.radii]) > 0).all():
+            raise InputError(f"inclusion: radii = {self.radii} must be positive and increasing")
         if min(self.youngs) <= 0:
             raise InputError(f"inclusion: youngs = {self.youngs} must be positive")
         if not all(-1 < nu < 0.5 for nu in self.poissons):
