@@ -1,1 +1,1 @@
-"""Reference solutions that owe nothing to the particle methods: finite elements and modes."""
+"""Reference solutions that owe nothing to the particle methods: finite elements, modes, closed forms."""
