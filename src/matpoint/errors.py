@@ -6,7 +6,8 @@ Two kinds only: :class:`InputError` before anything has been computed or written
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterable, Sequence
 
 
 class MatpointError(Exception):
@@ -19,6 +20,12 @@ class InputError(MatpointError):
     """The input can't be used: the message says what, where, and what is allowed."""
 
     exit_code = 2
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return " (did you mean ...?)" or nothing."""
+    near = difflib.get_close_matches(word, list(known), n=1)
+    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 class RunError(MatpointError):

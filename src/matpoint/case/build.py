@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matpoint.body import Body
-from matpoint.case.describe import did_you_mean
 from matpoint.case.load import Case
 from matpoint.case.memory import check_memory
 from matpoint.case.objects import (
@@ -24,7 +23,7 @@ from matpoint.case.objects import (
     make_velocity,
 )
 from matpoint.case.schema import BodyTable, CaseTable, ProblemTable, TriggerTable
-from matpoint.errors import InputError
+from matpoint.errors import InputError, did_you_mean
 from matpoint.grid import Grid
 from matpoint.materials import Material
 from matpoint.output import (
