@@ -53,7 +53,10 @@ def gmsh_names(raw: Any, where: str) -> Named:
         result.append(parts)
     for (dim, tag), name in names.items():
         if (dim, tag) not in used and dim >= top - 1:
-            raise InputError(f"{where}: the physical group {name!r} has no cells; take it out, or mesh it")
+            raise InputError(
+                f"{where}: the physical group {name!r} has no cells; take it out, mesh it, or save with"
+                " Mesh.SaveAll = 0"
+            )
     return result
 
 
