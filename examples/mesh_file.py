@@ -6,6 +6,8 @@ The core is made of triangles, the coating of quadrilaterals. The floor is the l
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 import matpoint as mp
 
 mesh = mp.read_mesh(Path(__file__).parent / "meshes" / "coated_disc.msh")
@@ -19,7 +21,7 @@ materials = {
 # The file has the disc around the origin; it flies down at 1 m/s.
 bodies = [
     mp.Body(
-        replace(domains, vertices=domains.vertices + (0.25, 0.25, 0.0)),
+        replace(domains, vertices=domains.vertices + np.array([0.25, 0.25, 0.0])),
         material,
         velocity=(0.0, -1.0),
         name=name,
