@@ -29,6 +29,7 @@ KINDS = {
     "hexahedron": Kind.HEX,
 }
 _LARGEST = 2_000_000_000  # bytes of a mesh file
+_FARTHEST = 1e50  # metres from the origin
 _GMSH_VERSIONS = ("2", "2.2", "4", "4.1")
 _HIGHER = re.compile(r"(line|triangle|quad|tetra|hexahedron|wedge|pyramid)\d+$|VTK_(LAGRANGE|BEZIER)_")
 
@@ -92,10 +93,12 @@ def read_patches(path: Path, where: str) -> tuple[np.ndarray, list[Patch], bool]
         raise InputError(f"{where}: its vertices have {points.shape[1]} coordinates; at most 3 are allowed")
     points = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
     _refuse_shapes([block.type for block in raw.cells if len(block.data)], where)
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    # Products of larger coordinates would overflow; a NaN is not smaller either.
+    bad = np.flatnonzero(~(np.abs(points) < _FARTHEST).all(axis=1))
     if len(bad):
         raise InputError(
-            f"{where}: vertex {bad[0]} (from 0) is at {points[bad[0]].tolist()}; it must be finite"
+            f"{where}: vertex {bad[0]} (from 0) is at {points[bad[0]].tolist()}; it must be finite, and"
+            f" nearer than {_FARTHEST:g} m"
         )
     found = (gmsh_names if gmsh else vtu_names)(raw, where)
     patches, seen = [], {}

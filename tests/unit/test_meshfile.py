@@ -166,7 +166,8 @@ def test_bodies_of_groups(tmp_path):
 
 _LESS = ("Names\n3", "Names\n2")
 _REFUSED = {
-    "no nodes": ([("4 0 1 5\n", "4 0 nan 5\n")], "vertex 3 .* finite"),
+    "nan": ([("4 0 1 5\n", "4 0 nan 5\n")], "vertex 3 .* finite"),
+    "far away": ([("4 0 1 5\n", "4 0 1e60 5\n")], "nearer than 1e[+]50"),
     "not flat": ([("6 2 1 5\n", "6 2 1 6\n")], "z goes from 5 to 6"),
     "unnamed": ([('2 2 "soft"\n', ""), _LESS], r'group 2 .* Physical Surface\("name", 2\)'),
     "unnamed set": ([('1 3 "left"\n', ""), _LESS], r'group 3 .* Physical Curve\("name", 3\)'),
@@ -181,10 +182,10 @@ _REFUSED = {
     "unknown type": ([("3 2 2 2 2 2 5 6", "3 99 2 2 2 2 5 6")], "99 is not known"),
     "no such vertex": ([("2 5 6\n", "2 5 8\n")], "names a vertex"),
     "cut off": ([("$EndElements\n", "")], "cut off"),
-    "not closed": ([("$EndNodes\n", "")], "."),
+    "not closed": ([("$EndNodes\n", "")], "a section is not closed"),
     "few cells": ([("Elements\n4", "Elements\n7")], "can't be read"),
-    "few nodes": ([("Nodes\n8", "Nodes\n80")], "."),
-    "words": ([("2 1 0 5", "2 one 0 5")], "."),
+    "few nodes": ([("Nodes\n8", "Nodes\n80")], "can't be read; it is damaged"),
+    "words": ([("2 1 0 5", "2 one 0 5")], "can't be read; it is damaged"),
     "old": ([("2.2 0 8", "1.0 0 8")], "format 1.0; save it as 2.2 or 4.1"),
     "4.0": ([("2.2 0 8", "4.0 0 8")], "format 4.0; save it as 2.2 or 4.1"),
 }  # fmt: skip
@@ -200,8 +201,8 @@ def test_refused_gmsh_files(tmp_path, changes, message):
     [
         ([("2 1 0 5 2 1 5 1 2 0", "2 1 0 5 2 1 5 2 2 1 0")], "'soft' and 'stiff part'; one is allowed"),
         ([("2 1 0 5 2 1 5 1 2 0", "2 1 0 5 2 1 5 0 0")], "in a physical group and others in none"),
-        ([("$Elements\n3 4 1 4", "$Elements\n5 4 1 4")], "."),
-        ([("2 2 2 2\n3 2 5 6", "2 2 9 2\n3 2 5 6 1 3 4")], "."),
+        ([("$Elements\n3 4 1 4", "$Elements\n5 4 1 4")], "can't be read; it is damaged"),
+        ([("2 2 2 2\n3 2 5 6", "2 2 9 2\n3 2 5 6 1 3 4")], "can't be read; it is damaged"),
     ],
 )
 def test_refused_gmsh_files_of_version_4(tmp_path, changes, message):
