@@ -6,7 +6,8 @@ Two kinds only: :class:`InputError` before anything has been computed or written
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterable, Sequence
 
 
 class MatpointError(Exception):
@@ -35,6 +36,12 @@ class NotFiniteError(InputError):
     def __init__(self, message: str, particle: int | None = None) -> None:
         super().__init__(message)
         self.particle = particle
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return " (did you mean ...?)" or nothing."""
+    near = difflib.get_close_matches(word, list(known), n=1)
+    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 class RunError(MatpointError):

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matpoint.body import Body
-from matpoint.case.describe import did_you_mean
+from matpoint.case.files import MeshFiles
 from matpoint.case.load import Case
 from matpoint.case.memory import check_memory
 from matpoint.case.objects import (
@@ -24,7 +24,9 @@ from matpoint.case.objects import (
     make_velocity,
 )
 from matpoint.case.schema import BodyTable, CaseTable, ProblemTable, TriggerTable
-from matpoint.errors import InputError
+from matpoint.case.shapes import FileMesh
+from matpoint.domains import Domains
+from matpoint.errors import InputError, did_you_mean
 from matpoint.grid import Grid
 from matpoint.materials import Material
 from matpoint.output import (
@@ -42,6 +44,7 @@ from matpoint.output import (
     inside,
 )
 from matpoint.problems import PROBLEMS
+from matpoint.regions import Region
 from matpoint.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -116,7 +119,7 @@ def build_simulation(case: Case, threads: int | None = None) -> Simulation:
         raise InputError("grid: this table is missing (lower, upper, cell)")
     grid = Grid(tables.grid.lower, tables.grid.upper, tables.grid.cell)
     materials = {name: make_material(name, table) for name, table in tables.materials.items()}
-    bodies = [_body(body, number, materials, grid.dim) for number, body in enumerate(tables.bodies)]
+    bodies = _bodies(tables.bodies, materials, grid.dim, MeshFiles(case.folder))
     check_memory(grid, bodies)
     return Simulation(
         grid,
@@ -131,26 +134,37 @@ def build_simulation(case: Case, threads: int | None = None) -> Simulation:
     )
 
 
-def _body(table: BodyTable, number: int, materials: dict[str, Material], dim: int) -> Body:
-    where = f"bodies.{number}"
-    if table.material not in materials:
-        hint = did_you_mean(table.material, materials)
-        known = ", ".join(materials) or "none; add a table [materials.NAME]"
-        raise InputError(f"{where}.material = {table.material!r}{hint}; there are {known}")
+def _bodies(
+    tables: Sequence[BodyTable], materials: dict[str, Material], dim: int, files: MeshFiles
+) -> list[Body]:
+    """The bodies of all tables; a group of a mesh file makes one for each shape of cell in it."""
+    bodies = []
+    for number, table in enumerate(tables):
+        where = f"bodies.{number}"
+        if table.material not in materials:
+            hint = did_you_mean(table.material, materials)
+            known = ", ".join(materials) or "none; add a table [materials.NAME]"
+            raise InputError(f"{where}.material = {table.material!r}{hint}; there are {known}")
+        name = table.name or (table.mesh.group if isinstance(table.mesh, FileMesh) else f"{number}")
+        per_cell = tuple(table.per_cell) if isinstance(table.per_cell, list) else table.per_cell
+        velocity = make_velocity(table, number, dim)
+        bodies += [
+            Body(geometry, materials[table.material], per_cell, velocity, name)
+            for geometry in _geometries(table, where, files)
+        ]
+    files.check_use()
+    return bodies
+
+
+def _geometries(table: BodyTable, where: str, files: MeshFiles) -> Sequence[Region | Domains]:
     if (table.region is None) == (table.mesh is None):
         raise InputError(f"{where}: give either region or mesh")
     try:
-        geometry = make_mesh(table.mesh) if table.mesh is not None else make_region(table.region)
+        if isinstance(table.mesh, FileMesh):
+            return files.domains(table.mesh)
+        return [make_region(table.region) if table.mesh is None else make_mesh(table.mesh)]
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
-    per_cell = tuple(table.per_cell) if isinstance(table.per_cell, list) else table.per_cell
-    return Body(
-        geometry,
-        materials[table.material],
-        per_cell,
-        make_velocity(table, number, dim),
-        table.name or f"{number}",
-    )
 
 
 def make_trigger(table: TriggerTable, where: str) -> Trigger | None:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import inspect
 import types
 import typing
-from collections.abc import Iterable
 from typing import Any
 
 from pydantic import BaseModel, GetJsonSchemaHandler, ValidationError
 from pydantic_core import CoreSchema
+
+from matpoint.errors import did_you_mean
 
 _KINDS = {float: "number", int: "integer", str: "string", bool: "boolean"}
 _WANTED = {
@@ -20,12 +20,6 @@ _WANTED = {
     "finite_number": "a finite number", "string_too_long": "a shorter text",
     "string_too_short": "a text that is not empty",
 }  # fmt: skip
-
-
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return " (did you mean ...?)" or nothing."""
-    near = difflib.get_close_matches(word, list(known), n=1)
-    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 class OneOf:

@@ -11,9 +11,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from matpoint.case.describe import did_you_mean, first_problem
+from matpoint.case.describe import first_problem
 from matpoint.case.schema import CaseTable
-from matpoint.errors import InputError
+from matpoint.errors import InputError, did_you_mean
 
 _LARGEST = 50_000_000  # bytes of a case file
 
@@ -28,10 +28,13 @@ class Case:
         The bundled name, or the file's name without its ending.
     tables
         Its tables.
+    folder
+        Where the files are that it names by relative paths; None takes the current folder.
     """
 
     name: str
     tables: CaseTable
+    folder: Path | None = None
 
 
 def bundled_cases() -> dict[str, str]:
@@ -41,17 +44,17 @@ def bundled_cases() -> dict[str, str]:
     return {name: found[name].read_text(encoding="utf-8") for name in sorted(found)}
 
 
-def _read(case: str) -> tuple[str, str]:
-    """The name and text of a case; a file wins over a bundled name only if it looks like a path."""
+def _read(case: str) -> tuple[str, str, Path | None]:
+    """The name, text and folder of a case; a file wins over a bundled name only if it looks like a path."""
     bundled = bundled_cases()
     if case in bundled:
-        return case, bundled[case]
+        return case, bundled[case], None
     path = Path(case)
     try:
         if path.is_file():
             if path.stat().st_size > _LARGEST:
                 raise InputError(f"case {case}: the file is larger than {_LARGEST // 10**6} MB")
-            return path.stem, path.read_text(encoding="utf-8")
+            return path.stem, path.read_text(encoding="utf-8"), path.parent
     except (OSError, UnicodeDecodeError, ValueError) as error:
         raise InputError(f"case {case}: the file can't be read ({error})") from None
     raise InputError(
@@ -132,8 +135,8 @@ def load(case: str, overrides: Sequence[str] = ()) -> Case:
     InputError
         With the table and key, the value, and what is allowed.
     """
-    name, text = _read(str(case))
+    name, text, folder = _read(str(case))
     content = _parse(text, f"case {case}")
     for setting in overrides:
         _override(content, setting)
-    return Case(name, check(content, f"case {case}"))
+    return Case(name, check(content, f"case {case}"), folder)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from matpoint.boundary import Condition, Fixed, Plane, PrescribedVelocity, Roller, Symmetry
-from matpoint.case.describe import did_you_mean
 from matpoint.case.schema import (
     BodyTable,
     BoundaryTable,
@@ -32,7 +31,7 @@ from matpoint.case.shapes import (
     PolygonRegion,
 )
 from matpoint.domains import Domains, Kind
-from matpoint.errors import InputError
+from matpoint.errors import InputError, did_you_mean
 from matpoint.expressions import Expression, vector_field
 from matpoint.interpolation import METHODS, Interpolation
 from matpoint.loads import BodyForce, Damping, Gravity, Load, LocalDamping, MassDamping, NoDamping

@@ -109,4 +109,18 @@ class ExtrusionMesh(Table):
     heights: Annotated[list[float], Field(min_length=2)]
 
 
-MeshTable = Annotated[BoxMesh | AnnulusMesh | ArrayMesh | ExtrusionMesh, Field(discriminator="shape")]
+class FileMesh(Table):
+    """A group of a mesh file (Gmsh's .msh, or .vtu); a relative path begins at the case file's folder.
+
+    All groups of a file must be named by bodies, but for those that one of them lists in ``ignore``.
+    """
+
+    shape: Literal["file"]
+    path: Annotated[str, Field(min_length=1, max_length=1000)]
+    group: str
+    ignore: list[str] = []
+
+
+MeshTable = Annotated[
+    BoxMesh | AnnulusMesh | ArrayMesh | ExtrusionMesh | FileMesh, Field(discriminator="shape")
+]
