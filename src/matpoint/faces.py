@@ -76,6 +76,11 @@ def _unshared(faces: np.ndarray) -> np.ndarray:
     return faces[np.sort(first[count == 1])]
 
 
+def outer_faces(domains: Domains) -> np.ndarray:
+    """Return the faces that belong to one domain only, seen from outside, shape (m, corners of a face)."""
+    return _unshared(all_faces(domains.cells, domains.kind))
+
+
 def split_by(domains: Domains, sides: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return the outer faces whose corners all carry a flag, one set for each name.
 

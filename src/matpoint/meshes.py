@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from matpoint.coincident import first_in_place
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError
 from matpoint.faces import split_by
@@ -167,15 +168,8 @@ def mapped(domains: Domains, function: Callable[[np.ndarray], np.ndarray]) -> Do
 
 def _join_twins(x: np.ndarray, cells: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """Make one vertex of those that lie in one place, so that neighbours share it."""
-    from scipy.spatial import KDTree  # noqa: PLC0415 (slow to import)
-
-    reach = tolerance * float(np.ptp(x, axis=0).max(initial=0.0))
-    pairs = KDTree(x).query_pairs(reach, output_type="ndarray")
-    if len(pairs) == 0:
-        return x, cells
-    first = np.arange(len(x))
-    np.minimum.at(first, pairs.max(axis=1), pairs.min(axis=1))
-    kept, number = np.unique(first[first], return_inverse=True)
+    first = first_in_place(x, tolerance * float(np.ptp(x, axis=0).max()))
+    kept, number = np.unique(first, return_inverse=True)
     return x[kept], number[cells]
 
 

@@ -8,19 +8,12 @@ import pytest
 import matpoint as mp
 from matpoint.boundary import Constraints
 from matpoint.domains import Kind
-from matpoint.faces import all_faces, check_sets
+from matpoint.faces import all_faces, check_sets, outer_faces
 from matpoint.kernels.faces import face_forces
 from support import KIND_OF_DIM, bind, deformed_mesh, setting_of
 
 RUBBER = mp.NeoHookean(E=1e6, nu=0.3, density=1000.0)
 SHAPES = [pytest.param(dim, kind, id=kind.name.lower()) for dim in (1, 2, 3) for kind in KIND_OF_DIM[dim]]
-
-
-def outside(mesh):
-    """All faces that one domain has for itself, from outside."""
-    faces = all_faces(mesh.cells, mesh.kind)
-    key = [tuple(sorted(f)) for f in faces.tolist()]
-    return faces[[key.count(k) == 1 for k in key]]
 
 
 @pytest.mark.parametrize(("dim", "kind"), SHAPES)
@@ -48,7 +41,7 @@ def test_pressure_on_the_whole_outside_balances_a_pressure_inside(dim, kind):
     p = setting.particles
     p.stress[:] = [-3.0, -3.0, -3.0, 0, 0, 0]
     p.volume[:] = p.volume0
-    faces = outside(mesh)
+    faces = outer_faces(mesh)
     sign = np.where(faces[:, 0] == 0, -1.0, 1.0) if kind == Kind.LINE else np.ones(len(faces))
     force = np.zeros((*faces.shape, 3))
     face_forces(faces, sign, mesh.vertices, 3.0, 0.0, 0.0, 0.0, force)
@@ -175,7 +168,7 @@ def test_hourglass_springs_leave_affine_motions_free_and_keep_momenta(dim, kind)
     A = np.eye(3)
     A[:dim, :dim] += rng.normal(size=(dim, dim))
     v.position[:] = v.position0 @ A.T + rng.normal(size=3) * (np.arange(3) < dim)
-    assert mapping.stored_energy() < 1e-24
+    assert abs(mapping.stored_energy()) < 1e-14  # round-off of terms of order one
     v.position[:, :dim] += rng.normal(size=(len(v), dim)) * 0.05
     v.records[:] = 0.0
     mapping.push_vertices()

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from matpoint.coincident import first_in_place
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError
 from matpoint.faces import all_faces
-from matpoint.meshfile.mend import corners_text, first_in_place, flatten, orient, refuse_bad_cells
+from matpoint.meshfile.mend import corners_text, flatten, orient, refuse_bad_cells
 from matpoint.meshfile.read import KINDS, Patch
 
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from matpoint.domains import Kind
 from matpoint.errors import InputError
+from matpoint.faces import FACES
 from matpoint.output.triggers import AtTimes, Trigger
 
 if TYPE_CHECKING:
@@ -74,20 +76,13 @@ _COLOURS = {
 COLOURS = tuple(_COLOURS)
 
 
-# Faces of hexahedra and tetrahedra by corner, outward.
-_FACES = {
-    2: ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
-    4: ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)),
-}
-
-
 def _outer_faces(sim: Simulation) -> tuple[list[np.ndarray], np.ndarray]:
     """Corners of the faces that one domain alone has, and the domain of each."""
     v = sim.vertices
     assert v is not None
     seen: dict[tuple[int, ...], tuple[np.ndarray, int]] = {}
     for p, (row, kind) in enumerate(zip(v.connectivity, v.kind, strict=True)):
-        for face in _FACES[int(kind)]:
+        for face in FACES[Kind(kind)]:
             corners = row[list(face)]
             key = tuple(sorted(corners.tolist()))
             if key in seen:
