@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from matpoint.problem import Problem
 from matpoint.problems.bimaterial_bar import BimaterialBar
+from matpoint.problems.bimaterial_ring import BimaterialRing
 
 #: Name, as on the command line -> the class.
-PROBLEMS: dict[str, type[Problem]] = {problem.name: problem for problem in (BimaterialBar,)}
+PROBLEMS: dict[str, type[Problem]] = {problem.name: problem for problem in (BimaterialBar, BimaterialRing)}
 
-__all__ = ["PROBLEMS", "BimaterialBar"]
+__all__ = ["PROBLEMS", "BimaterialBar", "BimaterialRing"]

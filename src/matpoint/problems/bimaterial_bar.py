@@ -11,6 +11,7 @@ import numpy as np
 
 from matpoint.errors import InputError
 from matpoint.problem import Announce, Problem, Result
+from matpoint.problems.sampler import Sampler, relative
 from matpoint.reference.bar import LayeredBar
 
 if TYPE_CHECKING:
@@ -60,32 +61,6 @@ class Track:
     def profile(self, time: float) -> np.ndarray:
         """Return the stresses [Pa] at the sample nearest to a time [s], shape (n,)."""
         return self.stress[int(np.argmin(np.abs(self.times - time)))]
-
-
-class _Watch:
-    """Takes the displacement of A and all stresses at its trigger."""
-
-    def __init__(self) -> None:
-        from matpoint.output.triggers import EverySteps  # noqa: PLC0415 (keeps the import of a case light)
-
-        self.trigger = EverySteps(SAMPLE)
-        self.times: list[float] = []
-        self.tip: list[float] = []
-        self.stress: list[np.ndarray] = []
-
-    def open(self, sim: Simulation) -> None:
-        """Nothing is needed before the first sample."""
-
-    def write(self, sim: Simulation) -> None:
-        """Take a sample."""
-        p = sim.particles
-        free_end = int(np.argmin(p.position0[:, 0]))
-        self.times.append(sim.time)
-        self.tip.append(float(p.position[free_end, 0] - p.position0[free_end, 0]))
-        self.stress.append(p.ordered("stress")[:, 0])
-
-    def close(self, sim: Simulation, error: BaseException | None) -> None:
-        """Nothing is left to do."""
 
 
 @dataclass(frozen=True)
@@ -209,10 +184,17 @@ class BimaterialBar(Problem):
             For :meth:`simulation`; one thread unless told otherwise (few particles).
         """
         sim = self.simulation(interpolation, **{"threads": 1, **choices})
-        watch = _Watch()
-        sim.run(self.end if end is None else end, writers=[watch])
         centres = sim.particles.ordered("position0")[:, 0]
-        return Track(np.array(watch.times), np.array(watch.tip), np.array(watch.stress), centres)
+        free_end = int(np.argmin(centres))
+
+        def sample(sim: Simulation) -> np.ndarray:
+            tip = sim.particles.ordered("position")[free_end, 0] - centres[free_end]
+            return np.array([tip, *sim.particles.ordered("stress")[:, 0]])
+
+        sampler = Sampler(SAMPLE, sample)
+        sim.run(self.end if end is None else end, writers=[sampler])
+        values = sampler.values
+        return Track(sampler.times, values[:, 0], values[:, 1:], centres)
 
     def reference(self, end: float | None = None) -> Track:
         """Run the finite elements: one for each domain, with the same time step."""
@@ -245,16 +227,12 @@ class BimaterialBar(Problem):
         return {name: measure(track, fem) for name, track in tracks.items()}
 
 
-def _relative(values: np.ndarray, reference: np.ndarray) -> float:
-    return float(np.linalg.norm(values - reference) / np.linalg.norm(reference))
-
-
 def measure(track: Track, fem: Track) -> dict[str, float]:
     """Return the norms ``tip``, ``sigma_b``, ``sigma_c``, ``jump`` of a run against finite elements."""
     rms = float(np.sqrt(np.mean((track.sigma_b - track.sigma_c) ** 2)))
     return {
-        "tip": _relative(track.tip, fem.tip),
-        "sigma_b": _relative(track.sigma_b, fem.sigma_b),
-        "sigma_c": _relative(track.sigma_c, fem.sigma_c),
+        "tip": relative(track.tip, fem.tip),
+        "sigma_b": relative(track.sigma_b, fem.sigma_b),
+        "sigma_c": relative(track.sigma_c, fem.sigma_c),
         "jump": rms / float(np.abs(fem.sigma_b).max()),
     }
