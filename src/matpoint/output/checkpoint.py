@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from matpoint.errors import InputError
+from matpoint.output.staged import staged_hdf5
 from matpoint.output.triggers import Trigger
 
 if TYPE_CHECKING:
@@ -38,17 +39,19 @@ class Checkpoint:
 
     def write(self, sim: Simulation) -> None:
         """Write beside the old file, then put the new one in its place."""
-        import h5py  # noqa: PLC0415 (slow to import)
-
         part = self.path.with_name(self.path.name + ".tmp")
-        with h5py.File(part, "w") as file:
-            file.attrs["format"] = _FORMAT
-            file.attrs["fingerprint"] = sim.fingerprint()
-            for name, value in sim.state_scalars().items():
-                file.attrs[f"scalar.{name}"] = value
-            for name, values in sim.state_arrays().items():
-                file.create_dataset(name, data=values)
-        os.replace(part, self.path)
+        try:
+            with staged_hdf5(part, "w") as file:
+                file.attrs["format"] = _FORMAT
+                file.attrs["fingerprint"] = sim.fingerprint()
+                for name, value in sim.state_scalars().items():
+                    file.attrs[f"scalar.{name}"] = value
+                for name, values in sim.state_arrays().items():
+                    file.create_dataset(name, data=values)
+            os.replace(part, self.path)
+        except OSError:
+            part.unlink(missing_ok=True)
+            raise
 
     def close(self, sim: Simulation, error: BaseException | None) -> None:
         """Keep the state of a run that was interrupted between two steps."""
