@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from matpoint.errors import InputError
+from matpoint.output.folder import claim
 from matpoint.output.staged import staged_hdf5
 from matpoint.output.triggers import Trigger
 
@@ -30,7 +31,7 @@ class Checkpoint:
     """
 
     def __init__(self, path: Path, trigger: Trigger) -> None:
-        self.path, self.trigger = path, trigger
+        self.path, self.trigger, self.files = path, trigger, (path.name,)
 
     def open(self, sim: Simulation) -> None:
         """Refuse a place that can't be written before the run begins."""
@@ -40,6 +41,7 @@ class Checkpoint:
     def write(self, sim: Simulation) -> None:
         """Write beside the old file, then put the new one in its place."""
         part = self.path.with_name(self.path.name + ".tmp")
+        claim(self.path)
         try:
             with staged_hdf5(part, "w") as file:
                 file.attrs["format"] = _FORMAT

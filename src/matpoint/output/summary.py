@@ -17,6 +17,7 @@ import numpy as np
 from matpoint._version import __version__
 from matpoint.errors import InputError, RunError
 from matpoint.ledger import LedgerEntry, take_entry
+from matpoint.output.folder import claim
 from matpoint.output.triggers import EverySteps
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def plain(value: Any) -> Any:
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON file in one go: a reader never sees half of it."""
-    part = path.with_name(path.name + ".tmp")
+    part = claim(path).with_name(path.name + ".tmp")
     try:
         part.write_text(json.dumps(plain(content), indent=2, allow_nan=False) + "\n", encoding="utf-8")
         os.replace(part, path)
@@ -81,6 +82,7 @@ class Summary:
         self, path: Path, case: Mapping[str, Any] | None = None, norms: Mapping[str, Any] | None = None
     ) -> None:
         self.path, self.case, self.norms = path, dict(case or {}), dict(norms or {})
+        self.files = (path.name,)
         self._range = (math.inf, 0.0)
 
     def open(self, sim: Simulation) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from matpoint.domains import Kind
 from matpoint.errors import InputError
+from matpoint.output.folder import claim
 from matpoint.output.staged import staged_hdf5
 from matpoint.output.triggers import Trigger
 from matpoint.quality import aspect_ratios, corner_jacobians
@@ -72,14 +73,14 @@ class VTKHDF:
     """
 
     def __init__(self, path: Path, trigger: Trigger) -> None:
-        self.path, self.trigger = path, trigger
+        self.path, self.trigger, self.files = path, trigger, (path.name,)
 
     def open(self, sim: Simulation) -> None:
         """Create the file, still without steps."""
         self._connectivity = np.zeros(0, dtype=np.int64)
         self._block = {"PartOffsets": -1, "CellOffsets": 0, "ConnectivityIdOffsets": 0}
         try:
-            with staged_hdf5(self.path, "w") as file:
+            with staged_hdf5(claim(self.path), "w") as file:
                 root = file.create_group("VTKHDF")
                 root.attrs["Version"] = np.array([2, 2])
                 root.attrs.create("Type", np.bytes_("UnstructuredGrid"))
