@@ -21,6 +21,10 @@ class InputError(MatpointError):
     exit_code = 2
 
 
+class Terminated(KeyboardInterrupt):
+    """SIGTERM asked a run to end; it does so as after Ctrl-C, once its step is finished."""
+
+
 class RunError(MatpointError):
     """A run failed after it had begun.
 

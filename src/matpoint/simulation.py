@@ -15,6 +15,7 @@ from matpoint.boundary import Condition, Constraints
 from matpoint.engine import Engine
 from matpoint.errors import InputError
 from matpoint.face_loads import FaceLoad, FaceLoads
+from matpoint.fingerprint import identity
 from matpoint.grid import Grid
 from matpoint.interpolation.contract import Interpolation, ParticleError, Setting
 from matpoint.ledger import Ledger, take_entry
@@ -26,6 +27,7 @@ from matpoint.quantities import QUANTITIES
 from matpoint.run import Observer, run_steps
 from matpoint.scheme import APIC, USL, Scheme
 from matpoint.setup import cell_order, make_setting
+from matpoint.start import check_start
 from matpoint.threads import Team
 from matpoint.timestep import FixedStep, TimeStep, stable_step
 
@@ -81,7 +83,7 @@ class Simulation:
     ) -> None:
         self.grid, self.bodies, self.interpolation = grid, tuple(bodies), interpolation
         self.scheme = USL() if scheme is None else scheme
-        self.timestep = timestep
+        self.timestep, self.boundaries, self.loads = timestep, tuple(boundaries), tuple(loads)
         for name, value in (("sort_every", sort_every), ("sample_every", sample_every)):
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise InputError(f"simulation: {name} = {value!r} must be a whole number >= 1")
@@ -118,6 +120,7 @@ class Simulation:
             team,
             self.scheme.transfer.share,
         )
+        check_start(self)
         self.engine.dt = self._first_step()
         entry = take_entry(self.engine)
         self.ledger = Ledger(entry, entry)
@@ -239,6 +242,11 @@ class Simulation:
         if engine.step % self.sample_every == 0:
             self.ledger.book(take_entry(engine))
 
+    def book(self) -> None:
+        """Take the present state into the ledger, if it is not there yet."""
+        if self.ledger.latest.step != self.step:
+            self.ledger.book(take_entry(self.engine))
+
     def sort(self) -> None:
         """Put the particles in order of cell; ids keep their meaning."""
         order = cell_order(self.grid, self.particles.position)
@@ -293,11 +301,7 @@ class Simulation:
 
     def fingerprint(self) -> str:
         """Return a hash of what must agree between a checkpoint and the run that takes it up."""
-        parts = [
-            repr(self.grid), repr(self.interpolation), repr(self.scheme), repr(self.materials),
-            str(len(self.particles)), repr([type(b).__name__ for b in self.bodies]),
-        ]  # fmt: skip
-        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+        return hashlib.sha256(repr(identity(self)).encode()).hexdigest()
 
     def state_arrays(self) -> dict[str, np.ndarray]:
         """Return all arrays that a restart needs."""

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from matpoint._version import __version__
-from matpoint.errors import InputError, RunError
-from matpoint.ledger import LedgerEntry, take_entry
+from matpoint.errors import InputError, RunError, Terminated
+from matpoint.fingerprint import spelled
+from matpoint.ledger import LedgerEntry
 from matpoint.output.folder import claim
 from matpoint.output.triggers import EverySteps
 
@@ -63,6 +64,14 @@ def _entry(entry: LedgerEntry) -> dict[str, Any]:
     return {name: getattr(entry, name) for name in names}
 
 
+def _cause(error: BaseException) -> str:
+    if isinstance(error, Terminated):
+        return "terminated by a signal (SIGTERM)"
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted by the user"
+    return str(error) or type(error).__name__
+
+
 class Summary:
     """``summary.json``, written when the run begins and again when it ends.
 
@@ -107,8 +116,6 @@ class Summary:
 
     def _content(self, sim: Simulation, status: str, error: BaseException | None) -> dict[str, Any]:
         wall, steps = time.perf_counter() - self._begin, sim.step - self._first
-        if error is None:
-            sim.ledger.book(take_entry(sim.engine))
         ledger = sim.ledger
         content: dict[str, Any] = {
             "case": self.case,
@@ -122,7 +129,7 @@ class Summary:
             "vertices": 0 if sim.vertices is None else len(sim.vertices),
             "enriched_vertices": 0 if sim.vertices is None else len(sim.vertices.enriched),
             "nodes": len(sim.engine.mapping.nodes.records),
-            "materials": [repr(m) for m in sim.materials],
+            "materials": [spelled(m) for m in sim.materials],
             "time": sim.time,
             "steps": sim.step,
             "dt": {"smallest": self._range[0], "largest": self._range[1]},
@@ -145,5 +152,5 @@ class Summary:
                 "particle": error.particle, "position": error.position,
             }  # fmt: skip
         elif error is not None:
-            content["error"] = {"cause": str(error) or type(error).__name__}
+            content["error"] = {"cause": _cause(error)}
         return content
