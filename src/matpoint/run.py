@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-import signal
-import threading
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from matpoint.errors import InputError, RunError, Terminated
+from matpoint.errors import InputError, RunError
+from matpoint.interrupts import Interrupt, interruptible
 from matpoint.timestep import FixedStep, stable_step
 
 if TYPE_CHECKING:
@@ -36,35 +35,6 @@ class Observer(Protocol):
     def stop(self, error: BaseException | None) -> None:
         """Take note that the run has ended, and how."""
         ...
-
-
-class _Interrupt:
-    """Ctrl-C or SIGTERM once: remembered until the step is done. Twice: at once."""
-
-    def __init__(self) -> None:
-        self.asked: KeyboardInterrupt | None = None
-
-    def __call__(self, signum: int, frame: Any) -> None:
-        if self.asked is not None:
-            raise self.asked
-        self.asked = Terminated() if signum == signal.SIGTERM else KeyboardInterrupt()
-
-
-@contextmanager
-def _interruptible() -> Iterator[_Interrupt]:
-    """Hold back Ctrl-C and SIGTERM between the ends of steps, so that no file is cut in the middle."""
-    interrupt = _Interrupt()
-    if threading.current_thread() is not threading.main_thread():
-        yield interrupt
-        return
-    previous: dict[int, Any] = {signal.SIGINT: signal.signal(signal.SIGINT, interrupt)}
-    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:  # else the application has its own way
-        previous[signal.SIGTERM] = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield interrupt
-    finally:
-        for number, handler in previous.items():
-            signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
 def _lengths(sim: Simulation, until: float) -> Iterator[float]:
@@ -111,7 +81,7 @@ def run_steps(sim: Simulation, until: float, writers: Sequence[Writer], progress
             if progress is not None:
                 progress.start(sim, until)
                 stack.push(partial(_stop, progress))
-            with _interruptible() as interrupt:
+            with interruptible() as interrupt:
                 _loop(sim, until, writers, progress, interrupt)
     except OSError as error:  # the folder was fine at the start: the disk is full, or is gone
         raise _failed(sim, error) from None
@@ -139,7 +109,7 @@ def _loop(
     until: float,
     writers: Sequence[Writer],
     progress: Observer | None,
-    interrupt: _Interrupt,
+    interrupt: Interrupt,
 ) -> None:
     previous = -math.inf
     if sim.step == 0:

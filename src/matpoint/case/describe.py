@@ -7,11 +7,14 @@ import importlib
 import inspect
 import types
 import typing
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from pydantic import BaseModel, GetJsonSchemaHandler, ValidationError
 from pydantic_core import CoreSchema
+
+from matpoint.errors import InputError
 
 _KINDS = {float: "number", int: "integer", str: "string", bool: "boolean"}
 _WANTED = {
@@ -26,6 +29,31 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return " (did you mean ...?)" or nothing."""
     near = difflib.get_close_matches(word, list(known), n=1)
     return f" (did you mean {near[0]!r}?)" if near else ""
+
+
+@contextmanager
+def naming(where: str) -> Iterator[None]:
+    """Put a table and key before the message of what is refused inside, if they do not stand there yet."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error)
+        raise (error if text.startswith(where) else InputError(f"{where}: {text}")) from None
+
+
+def choose(word: str, known: Iterable[str], where: str) -> None:
+    """Refuse a word that is not one of some names, with the nearest of them, or all if none is near.
+
+    Raises
+    ------
+    InputError
+        If it is not among them.
+    """
+    names = list(known)
+    if word in names:
+        return
+    hint = did_you_mean(word, names)
+    raise InputError(f"{where} = {word!r}{hint}; allowed are {', '.join(names)}")
 
 
 class OneOf:

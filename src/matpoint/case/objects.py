@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from matpoint.boundary import Condition, Fixed, Plane, PrescribedVelocity, Roller, Symmetry
-from matpoint.case.describe import did_you_mean
+from matpoint.case.describe import did_you_mean, naming
 from matpoint.case.schema import (
     BodyTable,
     BoundaryTable,
@@ -16,6 +16,7 @@ from matpoint.case.schema import (
     InterpolationTable,
     LoadTable,
     MaterialTable,
+    PlaneTable,
     SchemeTable,
     TimeTable,
 )
@@ -34,6 +35,7 @@ from matpoint.case.shapes import (
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError
 from matpoint.expressions import Expression, vector_field
+from matpoint.grid import Grid
 from matpoint.interpolation import METHODS, Interpolation
 from matpoint.loads import BodyForce, Damping, Gravity, Load, LocalDamping, MassDamping, NoDamping
 from matpoint.materials import MATERIALS, Material, material_from
@@ -138,12 +140,13 @@ def make_scheme(table: SchemeTable) -> Scheme:
     if table.blend is not None and table.transfer != "flip":
         raise InputError(f"scheme.blend: {table.transfer} has no blend; it belongs to flip")
     blend = 1.0 if table.blend is None else table.blend
-    transfers = {"flip": FLIP(blend), "pic": PIC(), "apic": APIC()}
+    with naming("scheme.blend"):
+        transfers = {"flip": FLIP(blend), "pic": PIC(), "apic": APIC()}
     return SCHEMES[table.order](transfers[table.transfer])
 
 
-def make_condition(table: BoundaryTable, number: int, dim: int) -> Condition:
-    """Return the boundary condition of a table."""
+def make_condition(table: BoundaryTable, number: int, grid: Grid, walls_only: bool = False) -> Condition:
+    """Return the boundary condition of a table, on a grid whose inner planes ``walls_only`` forbids."""
     where = f"boundaries.{number}"
     if (table.plane is None) == (table.region is None):
         raise InputError(f"{where}: give either plane or region")
@@ -151,11 +154,31 @@ def make_condition(table: BoundaryTable, number: int, dim: int) -> Condition:
         raise InputError(f"{where}.velocity: only kind = 'velocity' has one")
     if table.normal is not None and table.kind != "roller":
         raise InputError(f"{where}.normal: only kind = 'roller' has one")
-    place: Any = (
-        make_region(table.region)
-        if table.plane is None
-        else Plane(table.plane.axis, table.plane.at, table.plane.side)
-    )
+    if table.plane is None:
+        with naming(f"{where}.region"):
+            place: Any = make_region(table.region)
+    else:
+        place = _plane(table.plane, f"{where}.plane", grid, walls_only)
+    with naming(where):
+        condition = _condition(table, where, place)
+    with naming(f"{where}.{'velocity' if table.velocity is not None else 'normal'}"):
+        condition.components(grid.dim)
+    return condition
+
+
+def _plane(table: PlaneTable, where: str, grid: Grid, walls_only: bool) -> Plane:
+    if "xyz".index(table.axis) >= grid.dim:
+        allowed = ", ".join("xyz"[: grid.dim])
+        raise InputError(
+            f"{where}.axis = {table.axis!r}: this axis does not exist in {grid.dim}-D; allowed are {allowed}"
+        )
+    plane = Plane(table.axis, table.at, table.side)
+    with naming(f"{where}.at"):
+        plane.check(grid, walls_only)
+    return plane
+
+
+def _condition(table: BoundaryTable, where: str, place: Any) -> Condition:
     if table.kind == "fixed":
         return Fixed(place)
     if table.kind == "roller":
@@ -193,11 +216,14 @@ def make_load(table: LoadTable, number: int, dim: int) -> Load:
         raise InputError(
             f"{where}.value = {table.value!r}: gravity takes numbers; use history, or a body-force"
         )
+    if len(table.value) > dim:
+        raise InputError(f"{where}.value: gravity has {len(table.value)} components; the grid has {dim} axes")
     history = None
     if table.history is not None:
         formula = Expression(table.history, ("t",), f"{where}.history")
         history = lambda t: float(formula(t=t))  # noqa: E731
-    return Gravity(tuple(float(v) for v in table.value), table.ramp, history)
+    with naming(f"{where}.ramp"):  # all else has been checked
+        return Gravity(tuple(float(v) for v in table.value), table.ramp, history)
 
 
 def make_damping(table: DampingTable | None) -> Damping:
@@ -208,7 +234,8 @@ def make_damping(table: DampingTable | None) -> Damping:
     value = getattr(table, wanted)
     if value is None or getattr(table, other) is not None:
         raise InputError(f"damping: kind = {table.kind!r} takes {wanted}, and nothing else")
-    return MassDamping(value) if table.kind == "mass" else LocalDamping(value)
+    with naming(f"damping.{wanted}"):
+        return MassDamping(value) if table.kind == "mass" else LocalDamping(value)
 
 
 def make_timestep(table: TimeTable) -> TimeStep:
@@ -218,8 +245,12 @@ def make_timestep(table: TimeTable) -> TimeStep:
     if table.step is not None:
         if table.largest is not None:
             raise InputError("time.largest: it belongs to cfl, not to a fixed step")
-        return FixedStep(table.step, table.allow_unstable)
+        with naming("time.step"):
+            return FixedStep(table.step, table.allow_unstable)
     if table.allow_unstable:
         raise InputError("time.allow_unstable: it belongs to a fixed step; cfl is always stable")
     assert table.cfl is not None
-    return CFL(table.cfl) if table.largest is None else CFL(table.cfl, largest=table.largest)
+    with naming("time.cfl"):
+        rule = CFL(table.cfl)
+    with naming("time.largest"):
+        return rule if table.largest is None else CFL(table.cfl, largest=table.largest)

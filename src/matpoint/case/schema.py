@@ -101,13 +101,19 @@ class DampingTable(Table):
 
 
 class TimeTable(Table):
-    """End time, and a fixed ``step`` or a share ``cfl`` of the stable one."""
+    """End time, and a fixed ``step`` or a share ``cfl`` of the stable one.
+
+    ``sample_every`` and ``sort_every`` are steps between two entries of the ledger, and between two sorts
+    of the particles by cell.
+    """
 
     end: float
     step: float | None = None
     cfl: float | None = None
     largest: float | None = None
     allow_unstable: bool = False
+    sample_every: Annotated[int, Field(ge=1)] | None = None
+    sort_every: Annotated[int, Field(ge=1)] | None = None
 
 
 class TriggerTable(Table):
@@ -138,8 +144,8 @@ class HistoryTable(TriggerTable):
 class FigureTable(TriggerTable):
     """Pictures of the particles; without a trigger at the end only."""
 
-    colour: str = "von_mises"
-    name: str = "particles"
+    colour: Annotated[str, OneOf("matpoint.output.figures", "COLOURS")] = "von_mises"
+    name: Annotated[str, Field(min_length=1, max_length=80)] = "particles"
 
 
 class OutputTable(Table):
