@@ -25,6 +25,9 @@ _WANTED = {
 }  # fmt: skip
 
 
+_MANY = 10  # names, beyond which the nearest says more than all of them
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return " (did you mean ...?)" or nothing."""
     near = difflib.get_close_matches(word, list(known), n=1)
@@ -53,7 +56,8 @@ def choose(word: str, known: Iterable[str], where: str) -> None:
     if word in names:
         return
     hint = did_you_mean(word, names)
-    raise InputError(f"{where} = {word!r}{hint}; allowed are {', '.join(names)}")
+    allowed = "see matpoint list" if hint and len(names) > _MANY else f"allowed are {', '.join(names)}"
+    raise InputError(f"{where} = {word!r}{hint}; {allowed}")
 
 
 class OneOf:

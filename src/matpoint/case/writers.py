@@ -131,10 +131,12 @@ def _figure(table: FigureTable, number: int, folder: Path) -> ParticleFigure:
 def _refuse_doubles(figures: list[ParticleFigure]) -> None:
     """Refuse figures that would write to one file."""
     for number, figure in enumerate(figures):
-        others = [pattern for other in figures[:number] for pattern in other.files]
-        names = [f"{figure.stem}.png", f"{figure.stem}-000.png"]
-        same = any(fnmatchcase(name, pattern) for name in names for pattern in others)
-        if same or figure.stem == "history" or figure.stem in [other.stem for other in figures[:number]]:
+        if figure.stem == "history" or any(_clash(figure, other) for other in figures[:number]):
             raise InputError(
                 f"output.figures.{number}.name = {figure.stem!r} is taken; give each figure a name of its own"
             )
+
+
+def _clash(a: ParticleFigure, b: ParticleFigure) -> bool:
+    pairs = ((a, b), (b, a))
+    return a.stem == b.stem or any(fnmatchcase(f"{x.stem}.png", y.files[0]) for x, y in pairs)

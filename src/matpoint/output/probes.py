@@ -88,10 +88,10 @@ class Probe:
         found = int(np.flatnonzero(nearest)[p.id[nearest].argmin()])
         distance, size = float(np.sqrt(gap[found])), _domain_size(sim, found)
         if distance > _FAR * size:
-            where = p.position0[found, : sim.dim].tolist()
+            where = ", ".join(f"{x:.6g}" for x in p.position0[found, : sim.dim])
             raise InputError(
                 f"probe {self.name!r}: at = {list(self.at)} is outside every body; the nearest particle,"
-                f" at {where}, is {distance:.4g} m away, its domain {size:.4g} m long"
+                f" at [{where}], is {distance:.4g} m away, its domain {size:.4g} m long"
             )
         return int(p.id[found])
 
