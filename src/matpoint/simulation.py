@@ -221,9 +221,10 @@ class Simulation:
         InputError
             If the end lies before the start, or a writer can't write.
         RunError
-            If a particle leaves the grid, turns over or is no longer a number.
+            If a particle leaves the grid, turns over or is no longer a number, a load or condition is no
+            longer one, or the disk is full.
         KeyboardInterrupt
-            After Ctrl-C, once the step is finished and the files are closed.
+            After Ctrl-C or SIGTERM (``Terminated``), once the step is finished and the files are closed.
         """
         if not math.isfinite(until) or until <= self.time:
             raise InputError(f"run: end time {until!r} s must lie after the start, {self.time:g} s")

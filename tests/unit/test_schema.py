@@ -91,7 +91,7 @@ def test_messages_name_the_place_the_value_and_what_is_allowed(case, setting, me
         ("output.figures=[{name=''}]", "output.figures.0.name = '': must be a text that is not empty"),
         ("output.figures=[{name='a/b'}]", "output.figures.0.name: "),
         ("output.figures=[{name='a', every_steps=2}, {name='a-001'}]", "1.name = 'a-001' is taken"),
-        ("output.figures=[{name='a-001'}, {name='a', every_steps=2}]", "output.figures.1.name = 'a' is taken"),
+        ("output.figures=[{name='a-001'}, {name='a', every_steps=2}]", "1.name = 'a' is taken"),
         ("output.figures=[{name='history'}]", "output.figures.0.name = 'history' is taken"),
         ("output.figures=[{name='a'}, {name='a', every_steps=2}]", "output.figures.1.name = 'a' is taken"),
         ("output.history.quantities=['kinetc_energy']",
