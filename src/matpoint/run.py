@@ -41,7 +41,7 @@ def _lengths(sim: Simulation, until: float) -> Iterator[float]:
     """Yield the length of each step [s]."""
     if isinstance(sim.timestep, FixedStep):
         dt, start = sim.timestep.dt, sim.time
-        count = max(1, math.ceil((until - start) / dt - 1e-9))
+        count = math.ceil((until - start) / dt - 1e-9)
         for number in range(1, count + 1):
             # Ends of steps are multiples of dt, not sums: no drift over many steps.
             yield start + number * dt - sim.time

@@ -61,6 +61,11 @@ def test_verify_leaves_the_files_of_others(tmp_path):
     assert (tmp_path / "v" / "mine.png").read_text() == "mine"
 
 
+def test_help_of_verify_says_what_json_leaves_out(tmp_path):
+    shown = " ".join(matpoint("verify", "--help", cwd=tmp_path).stdout.replace("│", " ").split())
+    assert "without --out no figures are drawn" in shown
+
+
 def test_a_restart_into_the_folder_of_its_checkpoint_is_refused(case, tmp_path):
     matpoint("run", case, "--set", "output.checkpoint.every_steps=20", "--out", "a", cwd=tmp_path)
     before = {p: p.read_bytes() for p in (tmp_path / "a").iterdir()}

@@ -28,7 +28,7 @@ Plugin = Annotated[
     list[Path],
     Parameter(name="--plugin", negative=(), help="A Python file that registers materials. It is run."),
 ]
-Out = Annotated[Path | None, Parameter(name="--out", help="Output folder; default results/<case>.")]
+Out = Annotated[Path | None, Parameter(name="--out", help="Output folder; default results/CASE.")]
 Threads = Annotated[int | None, Parameter(name="--threads", help="Number of threads; default all.")]
 Json = Annotated[
     bool,
