@@ -44,6 +44,10 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f" (did you mean {near[0]!r}?)" if near else ""
 
 
+class Terminated(KeyboardInterrupt):
+    """SIGTERM asked a run to end; it does so as after Ctrl-C, once its step is finished."""
+
+
 class RunError(MatpointError):
     """A run failed after it had begun.
 

@@ -39,6 +39,8 @@ class Problem(ABC):
         Name of each norm -> what it measures, in a few words.
     end, step
         End time and time step [s].
+    files
+        Names, or patterns of names, of what ``verify`` writes into its folder.
     """
 
     name: ClassVar[str]
@@ -47,6 +49,7 @@ class Problem(ABC):
     norms: ClassVar[dict[str, str]]
     end: ClassVar[float]
     step: ClassVar[float]
+    files: ClassVar[tuple[str, ...]] = ("figure-*.png", "histories.csv")
 
     @property
     @abstractmethod

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matpoint._version import __version__
+from matpoint.output.folder import claim
 from matpoint.problems import BimaterialBar, BimaterialRing
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def _run(problem: Problem, prefix: str, out: Path, announce: Announce) -> Mappin
         out=out, progress=lambda name, number, count: announce(f"{prefix} {number + 1}/{count} {name}")
     )
     for path in set(out.iterdir()) - before:
-        path.replace(out / f"{prefix}-{path.name}")
+        path.replace(claim(out / f"{prefix}-{path.name}"))
     return result
 
 
@@ -94,9 +95,8 @@ def reproduce_cpdi2(out: Path, announce: Announce) -> None:
     lines = [
         "# The enriched CPDI2 paper, recomputed",
         "",
-        "Sadeghirad, Brannon, Guilkey, 2013. Figures 3, 4, 5 are those of the bar, 6, 7, 8 those of the ring.",
-        "File names say the order of the materials; `settings.json` holds every setting, `table.json` all",
-        "numbers.",
+        "Sadeghirad, Brannon, Guilkey, 2013. Figures 3, 4, 5 show the bar, 6, 7, 8 the ring. File names say",
+        "the order of the materials; `settings.json` holds every setting, `table.json` all numbers.",
         "",
     ]
     for prefix, problem in {**bars, **rings}.items():
@@ -111,8 +111,8 @@ def reproduce_cpdi2(out: Path, announce: Announce) -> None:
     settings["convergence"] = {"layers": _LAYERS, "methods": _CONVERGING, "step": 2e-6}
     settings["versions"] = {"matpoint": __version__, "python": platform.python_version()}
     for name, content in (("settings.json", settings), ("table.json", results)):
-        (out / name).write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-    (out / "table.md").write_text("\n".join(lines), encoding="utf-8")
+        claim(out / name).write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    claim(out / "table.md").write_text("\n".join(lines), encoding="utf-8")
 
 
 #: Name, as on the command line -> what makes the figures.

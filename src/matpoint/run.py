@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-import signal
-import threading
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
+from matpoint.errors import InputError, RunError
+from matpoint.interrupts import Interrupt, interruptible
 from matpoint.timestep import FixedStep, stable_step
 
 if TYPE_CHECKING:
@@ -33,32 +35,6 @@ class Observer(Protocol):
     def stop(self, error: BaseException | None) -> None:
         """Take note that the run has ended, and how."""
         ...
-
-
-class _Interrupt:
-    """Ctrl-C once: remembered until the step is done. Twice: at once."""
-
-    def __init__(self) -> None:
-        self.asked = False
-
-    def __call__(self, signum: int, frame: Any) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-        self.asked = True
-
-
-@contextmanager
-def _interruptible() -> Iterator[_Interrupt]:
-    """Hold back Ctrl-C between the ends of steps, so that no file is cut in the middle."""
-    interrupt = _Interrupt()
-    if threading.current_thread() is not threading.main_thread():
-        yield interrupt
-        return
-    previous = signal.signal(signal.SIGINT, interrupt)
-    try:
-        yield interrupt
-    finally:
-        signal.signal(signal.SIGINT, previous)
 
 
 def _lengths(sim: Simulation, until: float) -> Iterator[float]:
@@ -90,20 +66,38 @@ def _watch(sim: Simulation, dt: float) -> None:
 
 
 def run_steps(sim: Simulation, until: float, writers: Sequence[Writer], progress: Observer | None) -> None:
-    """Step ``sim`` to the time ``until`` [s]; writers are closed whatever happens."""
-    with ExitStack() as stack:
-        for writer in writers:
-            writer.open(sim)
-            stack.push(partial(_close, writer, sim))
-        if progress is not None:
-            progress.start(sim, until)
-            stack.push(partial(_stop, progress))
-        with _interruptible() as interrupt:
-            _loop(sim, until, writers, progress, interrupt)
+    """Step ``sim`` to the time ``until`` [s]; writers are closed whatever happens.
+
+    Raises
+    ------
+    RunError
+        If a step fails, or a file can't be written any more.
+    """
+    try:
+        with ExitStack() as stack:
+            for writer in writers:
+                writer.open(sim)
+                stack.push(partial(_close, writer, sim))
+            if progress is not None:
+                progress.start(sim, until)
+                stack.push(partial(_stop, progress))
+            with interruptible() as interrupt:
+                _loop(sim, until, writers, progress, interrupt)
+    except OSError as error:  # the folder was fine at the start: the disk is full, or is gone
+        raise _failed(sim, error) from None
+
+
+def _failed(sim: Simulation, error: OSError) -> RunError:
+    what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+    return RunError(what, step=sim.step, time=sim.time)
 
 
 def _close(writer: Writer, sim: Simulation, _kind: Any, error: BaseException | None, _trace: Any) -> None:
-    writer.close(sim, error)
+    try:
+        writer.close(sim, error)
+    except OSError:
+        if error is None:  # else what ended the run says more
+            raise
 
 
 def _stop(progress: Observer, _kind: Any, error: BaseException | None, _trace: Any) -> None:
@@ -115,22 +109,45 @@ def _loop(
     until: float,
     writers: Sequence[Writer],
     progress: Observer | None,
-    interrupt: _Interrupt,
+    interrupt: Interrupt,
 ) -> None:
     previous = -math.inf
     if sim.step == 0:
         _write(sim, writers, previous)
     for dt in _lengths(sim, until):
         previous = sim.time
-        sim.advance(dt)
+        _advance(sim, dt)
         _write(sim, writers, previous)
         if progress is not None:
             progress.advance(sim)
-        if interrupt.asked:
-            raise KeyboardInterrupt
+        if interrupt.asked is not None:
+            sim.book()
+            raise interrupt.asked
+    sim.book()
+
+
+def _advance(sim: Simulation, dt: float) -> None:
+    """Make a step; whatever stops it says when, and that the step was too long if it was."""
+    try:
+        # What is no number is found by the checks of each stage; NumPy need not warn of it as well.
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            sim.advance(dt)
+    except InputError as error:
+        raise RunError(str(error), step=sim.step, time=sim.time) from None
+    except RunError as error:
+        over = [note for note in sim.notes if note.startswith("time step: ")]
+        if not over:
+            raise
+        raise RunError(
+            f"{error.cause}; {over[-1]}",
+            step=error.step, time=error.time, particle=error.particle, position=error.position,
+        ) from None  # fmt: skip
 
 
 def _write(sim: Simulation, writers: Sequence[Writer], previous: float) -> None:
     for writer in writers:
         if writer.trigger.due(sim.step, sim.time, previous):
-            writer.write(sim)
+            try:
+                writer.write(sim)
+            except OSError as error:
+                raise _failed(sim, error) from None

@@ -17,6 +17,7 @@ from matpoint.combinations import check_arguments, refuse_combinations
 from matpoint.engine import Engine
 from matpoint.errors import InputError
 from matpoint.face_loads import FaceLoad, FaceLoads
+from matpoint.fingerprint import identity
 from matpoint.grid import Grid
 from matpoint.interpolation.contract import Interpolation, ParticleError, Setting
 from matpoint.ledger import Ledger, take_entry
@@ -28,6 +29,7 @@ from matpoint.quantities import QUANTITIES
 from matpoint.run import Observer, run_steps
 from matpoint.scheme import APIC, USL, Scheme
 from matpoint.setup import cell_order, make_setting
+from matpoint.start import check_start
 from matpoint.threads import Team
 from matpoint.timestep import FixedStep, TimeStep, stable_step
 
@@ -84,7 +86,7 @@ class Simulation:
         check_arguments(grid, bodies, interpolation, timestep, scheme, boundaries, loads, damping)
         self.grid, self.bodies, self.interpolation = grid, tuple(bodies), interpolation
         self.scheme = USL() if scheme is None else scheme
-        self.timestep = timestep
+        self.timestep, self.boundaries, self.loads = timestep, tuple(boundaries), tuple(loads)
         for name, value in (("sort_every", sort_every), ("sample_every", sample_every)):
             whole(f"simulation: {name}", value)
         self.sort_every, self.sample_every = sort_every, sample_every
@@ -120,9 +122,7 @@ class Simulation:
             team,
             self.scheme.transfer.share,
         )
-        # What is not a number from the start is refused here, before any file is made.
-        self.engine.loads.evaluate(setting.particles, 0.0)
-        constraints.velocities(0.0)
+        check_start(self)
         self.engine.dt = self._first_step()
         entry = take_entry(self.engine)
         self.ledger = Ledger(entry, entry)
@@ -223,9 +223,10 @@ class Simulation:
         InputError
             If the end lies before the start, or a writer can't write.
         RunError
-            If a particle leaves the grid, turns over or is no longer a number.
+            If a particle leaves the grid, turns over or is no longer a number, a load or condition is no
+            longer one, or the disk is full.
         KeyboardInterrupt
-            After Ctrl-C, once the step is finished and the files are closed.
+            After Ctrl-C or SIGTERM (``Terminated``), once the step is finished and the files are closed.
         """
         for writer in writers:
             if not all(hasattr(writer, name) for name in ("trigger", "open", "write", "close")):
@@ -246,6 +247,11 @@ class Simulation:
         engine.time += dt
         if engine.step % self.sample_every == 0:
             self.ledger.book(take_entry(engine))
+
+    def book(self) -> None:
+        """Take the present state into the ledger, if it is not there yet."""
+        if self.ledger.latest.step != self.step:
+            self.ledger.book(take_entry(self.engine))
 
     def sort(self) -> None:
         """Put the particles in order of cell; ids keep their meaning."""
@@ -283,11 +289,7 @@ class Simulation:
 
     def fingerprint(self) -> str:
         """Return a hash of what must agree between a checkpoint and the run that takes it up."""
-        parts = [
-            repr(self.grid), repr(self.interpolation), repr(self.scheme), repr(self.materials),
-            str(len(self.particles)), repr([type(b).__name__ for b in self.bodies]),
-        ]  # fmt: skip
-        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+        return hashlib.sha256(repr(identity(self)).encode()).hexdigest()
 
     def state_arrays(self) -> dict[str, np.ndarray]:
         """Return all arrays that a restart needs."""

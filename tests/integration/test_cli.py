@@ -37,7 +37,9 @@ def test_run_writes_what_the_case_asks_for(case, tmp_path):
     done = matpoint("run", case, cwd=tmp_path)
     out = tmp_path / "results" / "small"
     assert "results" in done.stdout
-    assert sorted(p.name for p in out.iterdir()) == ["history.csv", "results.vtkhdf", "summary.json"]
+    assert sorted(p.name for p in out.iterdir()) == [
+        ".matpoint-files", "history.csv", "results.vtkhdf", "summary.json",
+    ]  # fmt: skip
     summary = json.loads((out / "summary.json").read_text())
     assert (summary["status"], summary["steps"], summary["method"]) == ("finished", 50, "cpdi2")
     rows = list(csv.reader((out / "history.csv").open()))
@@ -365,7 +367,7 @@ def test_bad_input_is_one_message_exit_2_and_nothing_written(what, case, tmp_pat
         (["run", "small.toml", "--threads", "0"], "threads"),
         (["run", "small.toml", "--speed", "9"], "--speed"),
         (["fly"], "fly"),
-        (["run"], "case"),
+        (["run"], "run: CASE is missing"),
         (["explain", "nowhere"], "neither"),
     ],
 )

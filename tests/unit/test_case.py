@@ -39,7 +39,7 @@ def test_every_bundled_case_builds_with_every_method(tmp_path):
             case = load(name, [f"interpolation.method={method}"])
             sim = build_simulation(case, threads=1)
             assert sim.interpolation.name == method
-            assert len(build_writers(case, tmp_path)) >= 3
+            assert len(build_writers(case, tmp_path, sim)) >= 3
 
 
 SHAPES = """

@@ -15,7 +15,7 @@ import pytest
 
 import matpoint as mp
 from matpoint.output.figures import draw_particles
-from matpoint.output.folder import inside
+from matpoint.output.folder import claim, inside
 from runs import advance, spinning_block, two_blocks
 
 METHODS = [mp.Linear(), mp.BSpline(2), mp.CPDI1(), mp.CPDI2(), mp.EnrichedCPDI2()]
@@ -224,7 +224,8 @@ def test_interrupting_ends_after_the_step_with_closed_files(tmp_path):
         sim.run(1.0, writers)
     assert sim.step == 5
     assert isinstance(last.error, KeyboardInterrupt)
-    assert json.loads((tmp_path / "s.json").read_text())["status"] == "interrupted"
+    found = json.loads((tmp_path / "s.json").read_text())
+    assert (found["status"], found["error"]["cause"]) == ("interrupted", "interrupted by the user")
     # The checkpoint of the interruption goes on to the same bits as an undisturbed run.
     again = two_blocks(mp.Linear())
     mp.resume(again, tmp_path / "c.h5")
@@ -251,16 +252,19 @@ def test_folders(tmp_path):
     folder = mp.prepare_folder(tmp_path / "a" / "b")
     assert folder.is_dir()
     mp.prepare_folder(folder)  # empty: fine
-    (folder / "history.csv").write_text("old")
+    claim(folder / "history.csv").write_text("old")
     (folder / "notes.md").write_text("mine")
+    (folder / "measured.csv").write_text("mine")
     with pytest.raises(mp.InputError, match="--force"):
         mp.prepare_folder(folder)
     outside = tmp_path / "precious.csv"
     outside.write_text("keep")
-    (folder / "link.csv").symlink_to(outside)
+    claim(folder / "link.csv").symlink_to(outside)
     mp.prepare_folder(folder, force=True)
-    assert sorted(p.name for p in folder.iterdir()) == ["notes.md"]
+    assert sorted(p.name for p in folder.iterdir()) == [".matpoint-files", "measured.csv", "notes.md"]
     assert outside.read_text() == "keep"
+    with pytest.raises(mp.InputError, match=r"holds measured.csv, which no run"):
+        mp.prepare_folder(folder, force=True, files=["measured.csv"])
     with pytest.raises(mp.InputError, match="is a file"):
         mp.prepare_folder(outside)
     with pytest.raises(mp.InputError, match="can't be used"):
@@ -272,6 +276,35 @@ def test_folders(tmp_path):
     (folder / "away").symlink_to(tmp_path)
     with pytest.raises(mp.InputError, match="leads out"):
         inside(folder, "away/x.csv")
+
+
+@pytest.mark.parametrize(
+    "line", ["notes.md", "../mine.csv", "sub/mine.csv", "/etc/x.csv", "sub", "..", "a\\b.csv"]
+)
+def test_a_list_of_files_that_names_what_is_not_matpoints_removes_nothing(tmp_path, line):
+    folder = mp.prepare_folder(tmp_path / "out")
+    (folder / "sub").mkdir()
+    for place in (folder / "notes.md", tmp_path / "mine.csv", folder / "sub" / "mine.csv"):
+        place.write_text("mine")
+    with (folder / ".matpoint-files").open("a") as file:
+        file.write(line + "\n")
+    before = sorted(tmp_path.rglob("*"))
+    mp.prepare_folder(folder, force=True)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_list_of_files_that_is_a_link_or_something_else_is_not_believed(tmp_path):
+    folder, other = mp.prepare_folder(tmp_path / "out"), tmp_path / "list"
+    (folder / "mine.csv").write_text("mine")
+    other.write_text((folder / ".matpoint-files").read_text() + "mine.csv\n")
+    listing = other.read_text()
+    (folder / ".matpoint-files").unlink()
+    (folder / ".matpoint-files").symlink_to(other)
+    mp.prepare_folder(folder, force=True)
+    assert other.read_text() == listing
+    (folder / ".matpoint-files").write_bytes(b"\xff mine.csv\nmine.csv\n")
+    mp.prepare_folder(folder, force=True)
+    assert (folder / "mine.csv").read_text() == "mine"
 
 
 def test_unwritable_files_are_refused_before_the_first_step(tmp_path):
@@ -301,12 +334,58 @@ def test_figures_are_pictures(tmp_path, interpolation, dim):
         ],
     )
     names = sorted(p.name for p in tmp_path.glob("*.png"))
-    assert names == ["h.png", "p-000.png", "p-001.png", "p.png"]
+    assert names == ["h.png", "p-000.png", "p-001.png"]  # the end is the last of them
     for path in tmp_path.glob("*.png"):
         assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
         assert path.stat().st_size > 5000
     with pytest.raises(mp.InputError, match="colour"):
         draw_particles(sim, tmp_path / "q.png", "taste")
+
+
+def test_the_end_is_drawn_once(tmp_path):
+    sim = two_blocks(mp.Linear())
+    sim.run(
+        5 * sim.dt,
+        [mp.ParticleFigure(tmp_path, "n", trigger=mp.EverySteps(3)), mp.ParticleFigure(tmp_path, "e")],
+    )
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["e.png", "n-000.png", "n-001.png", "n-002.png"]
+    for stem in ("", " ", "a/b", "a\nb"):
+        with pytest.raises(mp.InputError, match="plain file name"):
+            mp.ParticleFigure(tmp_path, stem)
+
+
+def test_round_off_is_flat_and_axes_have_units(tmp_path, monkeypatch):
+    from matpoint.output import curves
+
+    drawn = []
+    monkeypatch.setattr(curves, "save", lambda figure, path: drawn.append(figure))
+    sim = two_blocks(mp.CPDI2())
+    names = ("momentum_y", "kinetic_energy", "mass")
+    history = mp.Recorder(mp.EverySteps(1), names)
+    sim.run(40 * sim.dt, [history, curves.HistoryFigure(tmp_path / "h.png", history)])
+    axes = drawn[0].axes
+    assert [a.get_ylabel() for a in axes] == ["momentum_y\n[kg m/s]", "kinetic_energy\n[J]", "mass\n[kg]"]
+    for axis, flat in zip(axes, (True, False, True), strict=True):
+        values = axis.lines[0].get_ydata()
+        low, high = axis.get_ylim()
+        assert (np.ptp(values) < 0.01 * (high - low)) == flat
+
+
+@pytest.mark.parametrize("interpolation", [mp.Linear(), mp.CPDI2()], ids=lambda m: m.name)
+def test_a_probe_outside_every_body_is_refused(interpolation):
+    sim = two_blocks(interpolation)
+    assert mp.Probe("A", (0.3125, 0.25)).find(sim) >= 0  # a corner of the body
+    with pytest.raises(
+        mp.InputError, match=r"probe 'A': at = \[0.1, 0.1\] is outside .* at \[0.34375, 0.28125\], is 0.3"
+    ):
+        mp.Probe("A", (0.1, 0.1)).find(sim)
+
+
+def test_the_ledger_has_the_last_step(tmp_path):
+    sim = two_blocks(mp.Linear(), sample_every=1000)
+    sim.run(7 * sim.dt, [mp.Summary(tmp_path / "s.json")])
+    assert sim.ledger.latest.step == sim.step == 7
+    assert json.loads((tmp_path / "s.json").read_text())["ledger"]["end"]["time"] == sim.time
 
 
 def test_progress_writes_lines_where_there_is_no_terminal(capsys):

@@ -63,11 +63,53 @@ def refused(case, *changes):
         ("boundaries.0.normal=[1.0]", "only kind = 'roller' has one"),
         ("boundaries.0.kind=velocity", "needs velocity"),
         ("loads.0={kind='body-force', value=['x'], ramp=1.0}", "ramp and history don't apply"),
+        ("loads.0.value=[0.0, 0.0, -1.0]", "loads.0.value: gravity has 3 components; the grid has 2 axes"),
+        ("loads.0.ramp=-1.0", "loads.0.ramp: "),
+        ("boundaries.0.plane.axis=z", "boundaries.0.plane.axis = 'z': "),
+        ("boundaries.0.plane.at=0.9", "boundaries.0.plane.at: "),
+        ("boundaries.0={kind='fixed', region={shape='ball', centre=[0.1,0.1], radius=0.01}}",
+         "boundaries.0 (Fixed): no node"),
+        ("time={end=1.0, cfl=3.0}", "time.cfl: "),
+        ("time={end=1.0, cfl=0.3, largest=-1.0}", "time.largest: "),
+        ("time={end=1e12, cfl=0.3}", "in steps of about 0.00646419 s makes over 1e+12 steps"),
+        ("time={end=1.0, cfl=1e-300}", "too many"),
+        ("time.step=0.1", "time.step: "),
+        ("time.sample_every=0", "time.sample_every = 0: must be greater than or equal to 1"),
+        ("bodies.0.material='x'", "bodies.0.material = 'x'; there are rubber"),
         ("problem.name=bimaterial-bar", "grid: the problem gives it"),
     ],
 )  # fmt: skip
 def test_messages_name_the_place_the_value_and_what_is_allowed(case, setting, message):
     assert message in refused(case, setting)
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("output.figures=[{colour='foo'}]", "output.figures.0.colour = 'foo'; allowed are von_mises, "),
+        ("output.figures=[{colour='spede'}]", "(did you mean 'speed'?)"),
+        ("output.figures=[{name=''}]", "output.figures.0.name = '': must be a text that is not empty"),
+        ("output.figures=[{name='a/b'}]", "output.figures.0.name: "),
+        ("output.figures=[{name='a', every_steps=2}, {name='a-001'}]", "1.name = 'a-001' is taken"),
+        ("output.figures=[{name='a-001'}, {name='a', every_steps=2}]", "1.name = 'a' is taken"),
+        ("output.figures=[{name='history'}]", "output.figures.0.name = 'history' is taken"),
+        ("output.figures=[{name='a'}, {name='a', every_steps=2}]", "output.figures.1.name = 'a' is taken"),
+        ("output.history.quantities=['kinetc_energy']",
+         "output.history.quantities.0 = 'kinetc_energy' (did you mean 'kinetic_energy'?); see matpoint list"),
+        ("output.history.probes.0.field=displacment", ".probes.0.field = 'displacment' (did you mean"),
+        ("output.history.probes.0.component=xx", "output.history.probes.0.component = 'xx' "),
+        ("output.history.probes.0.at=[0.1, 0.1]", "output.history.probes.0.at: probe 'foot': at = "),
+        ("output.history.every_steps=0", "output.history.every_steps: "),
+    ],
+)  # fmt: skip
+def test_messages_about_output_do_so_too(case, tmp_path, setting, message):
+    def use():
+        read = load(case, [setting])
+        build_writers(read, tmp_path, build_simulation(read, threads=1))
+
+    with pytest.raises(InputError) as caught:
+        use()
+    assert message in str(caught.value)
 
 
 def test_problems_are_checked_too():

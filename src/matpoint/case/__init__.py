@@ -2,8 +2,18 @@
 
 from __future__ import annotations
 
-from matpoint.case.build import build_simulation, build_writers, make_problem
+from matpoint.case.build import build_simulation, make_problem
 from matpoint.case.load import Case, bundled_cases, load
 from matpoint.case.schema import CaseTable
+from matpoint.case.writers import build_writers, planned
 
-__all__ = ["Case", "CaseTable", "build_simulation", "build_writers", "bundled_cases", "load", "make_problem"]
+__all__ = [
+    "Case",
+    "CaseTable",
+    "build_simulation",
+    "build_writers",
+    "bundled_cases",
+    "load",
+    "make_problem",
+    "planned",
+]

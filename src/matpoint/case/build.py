@@ -1,21 +1,22 @@
-"""From a case to a simulation and its writers: the one place where strings become objects."""
+"""From a case to a simulation."""
 
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matpoint.body import Body
+from matpoint.case.conditions import make_condition
+from matpoint.case.describe import naming
 from matpoint.case.files import MeshFiles
 from matpoint.case.load import Case
+from matpoint.case.loads import make_damping, make_load
 from matpoint.case.memory import check_memory
 from matpoint.case.objects import (
-    make_condition,
-    make_damping,
     make_interpolation,
-    make_load,
     make_material,
     make_mesh,
     make_region,
@@ -23,32 +24,17 @@ from matpoint.case.objects import (
     make_timestep,
     make_velocity,
 )
-from matpoint.case.schema import BodyTable, CaseTable, ProblemTable, TriggerTable
+from matpoint.case.schema import BodyTable, CaseTable, ProblemTable
 from matpoint.case.shapes import FileMesh
 from matpoint.domains import Domains
 from matpoint.errors import InputError, did_you_mean
 from matpoint.grid import Grid
 from matpoint.materials import Material
-from matpoint.output import (
-    VTKHDF,
-    AtTimes,
-    Checkpoint,
-    EverySteps,
-    EveryTime,
-    History,
-    HistoryFigure,
-    ParticleFigure,
-    Probe,
-    Summary,
-    Trigger,
-    inside,
-)
 from matpoint.problems import PROBLEMS
 from matpoint.regions import Region
 from matpoint.simulation import Simulation
 
 if TYPE_CHECKING:
-    from matpoint.output import Writer
     from matpoint.problem import Problem
 
 _MOST_STEPS = 1e12
@@ -82,13 +68,13 @@ def _problem_only(tables: CaseTable) -> None:
             raise InputError(f"{key}: the problem gives it; leave it out, or leave the problem out")
 
 
-def _check_end(tables: CaseTable) -> None:
-    end, step = tables.time.end, tables.time.step
+def _check_end(end: float, step: float, about: str = "") -> None:
+    """Refuse a run that would never end."""
     if end <= 0:
         raise InputError(f"time.end = {end:g} must lie after the start, 0 s")
-    if step is not None and step > 0 and end > _MOST_STEPS * step:
+    if 0 < step < end / _MOST_STEPS:
         raise InputError(
-            f"time.end = {end:g} s in steps of {step:g} s makes more than {_MOST_STEPS:g} steps; too many"
+            f"time.end = {end:g} s in steps of {about}{step:g} s makes over {_MOST_STEPS:g} steps; too many"
         )
 
 
@@ -107,8 +93,16 @@ def build_simulation(case: Case, threads: int | None = None) -> Simulation:
     InputError
         If anything in the case can't work.
     """
-    tables = case.tables
-    _check_end(tables)
+    times = case.tables.time
+    _check_end(times.end, times.step or 0.0)
+    simulation = _simulation(case.tables, case.folder, threads)
+    _check_end(times.end, simulation.dt, "about ")
+    simulation.sample_every = times.sample_every or simulation.sample_every
+    simulation.sort_every = times.sort_every or simulation.sort_every
+    return simulation
+
+
+def _simulation(tables: CaseTable, folder: Path | None, threads: int | None) -> Simulation:
     interpolation, scheme = make_interpolation(tables.interpolation), make_scheme(tables.scheme)
     timestep = make_timestep(tables.time)
     if tables.problem is not None:
@@ -117,21 +111,27 @@ def build_simulation(case: Case, threads: int | None = None) -> Simulation:
         return problem.simulation(interpolation, scheme=scheme, timestep=timestep, threads=threads)
     if tables.grid is None:
         raise InputError("grid: this table is missing (lower, upper, cell)")
-    grid = Grid(tables.grid.lower, tables.grid.upper, tables.grid.cell)
+    with naming("grid"):
+        grid = Grid(tables.grid.lower, tables.grid.upper, tables.grid.cell)
     materials = {name: make_material(name, table) for name, table in tables.materials.items()}
-    bodies = _bodies(tables.bodies, materials, grid.dim, MeshFiles(case.folder))
+    bodies = _bodies(tables.bodies, materials, grid.dim, MeshFiles(folder))
     check_memory(grid, bodies)
-    return Simulation(
-        grid,
-        bodies,
-        interpolation=interpolation,
-        scheme=scheme,
-        timestep=timestep,
-        boundaries=[make_condition(t, number, grid.dim) for number, t in enumerate(tables.boundaries)],
-        loads=[make_load(t, number, grid.dim) for number, t in enumerate(tables.loads)],
-        damping=make_damping(tables.damping),
-        threads=threads,
-    )
+    walls_only = interpolation.walls_only
+    conditions = [make_condition(t, k, grid, walls_only) for k, t in enumerate(tables.boundaries)]
+    loads = [make_load(t, number, grid.dim) for number, t in enumerate(tables.loads)]
+    try:
+        return Simulation(
+            grid, bodies, interpolation=interpolation, scheme=scheme, timestep=timestep,
+            boundaries=conditions, loads=loads, damping=make_damping(tables.damping), threads=threads,
+        )  # fmt: skip
+    except InputError as error:
+        raise InputError(_in_case(str(error))) from None
+
+
+def _in_case(text: str) -> str:
+    """Say where in the case it is, if a simulation says it in its own words."""
+    text = re.sub(r"^boundary (\d+) \(", r"boundaries.\1 (", text)
+    return f"time.step: {text}" if text.startswith("time step: dt") else text
 
 
 def _bodies(
@@ -148,10 +148,11 @@ def _bodies(
         name = table.name or (table.mesh.group if isinstance(table.mesh, FileMesh) else f"{number}")
         per_cell = tuple(table.per_cell) if isinstance(table.per_cell, list) else table.per_cell
         velocity = make_velocity(table, number, dim)
-        bodies += [
-            Body(geometry, materials[table.material], per_cell, velocity, name)
-            for geometry in _geometries(table, where, files)
-        ]
+        with naming(where):
+            bodies += [
+                Body(geometry, materials[table.material], per_cell, velocity, name)
+                for geometry in _geometries(table, where, files)
+            ]
     files.check_use()
     return bodies
 
@@ -165,79 +166,3 @@ def _geometries(table: BodyTable, where: str, files: MeshFiles) -> Sequence[Regi
         return [make_region(table.region) if table.mesh is None else make_mesh(table.mesh)]
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
-
-
-def make_trigger(table: TriggerTable, where: str) -> Trigger | None:
-    """Return the trigger of a table, or None if it gives none.
-
-    Raises
-    ------
-    InputError
-        If it gives more than one.
-    """
-    given = {
-        k: getattr(table, k) for k in ("every_steps", "every_time", "at") if getattr(table, k) is not None
-    }
-    if len(given) > 1:
-        raise InputError(f"{where}: give one of every_steps, every_time, at; {', '.join(given)} are given")
-    if not given:
-        return None
-    (kind, value), *_ = given.items()
-    makers: dict[str, Any] = {"every_steps": EverySteps, "every_time": EveryTime, "at": AtTimes}
-    try:
-        return makers[kind](value)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
-
-
-def _needed(table: TriggerTable, where: str) -> Trigger:
-    trigger = make_trigger(table, where)
-    if trigger is None:
-        raise InputError(f"{where}: give one of every_steps, every_time, at")
-    return trigger
-
-
-def build_writers(case: Case, folder: Path) -> list[Writer]:
-    """Return the writers of a case; nothing is created on disk yet.
-
-    Parameters
-    ----------
-    case
-        The case.
-    folder
-        Where their files will be.
-
-    Raises
-    ------
-    InputError
-        If a table can't work, or a name leads out of the folder.
-    """
-    output = case.tables.output
-    writers: list[Any] = []
-    if output.vtk is not None:
-        writers.append(VTKHDF(folder / "results.vtkhdf", _needed(output.vtk, "output.vtk")))
-    if output.history is not None:
-        table = output.history
-        probes = [Probe(p.name, tuple(p.at), p.field, p.component) for p in table.probes]
-        trigger = _needed(table, "output.history")
-        history = History(folder / "history.csv", trigger, table.quantities, probes)
-        writers.append(history)
-        if table.figure:
-            writers.append(HistoryFigure(folder / "history.png", history))
-    for number, table in enumerate(output.figures):
-        inside(folder, f"{table.name}.png")
-        trigger = make_trigger(table, f"output.figures.{number}")
-        writers.append(ParticleFigure(folder, table.name, table.colour, trigger))
-    names = [table.name for table in output.figures]
-    _refuse_doubles(names)
-    if output.checkpoint is not None:
-        writers.append(Checkpoint(folder / "checkpoint.h5", _needed(output.checkpoint, "output.checkpoint")))
-    return [*writers, Summary(folder / "summary.json", {"name": case.name, "title": case.tables.title})]
-
-
-def _refuse_doubles(names: Sequence[str]) -> None:
-    for name in names:
-        if names.count(name) > 1 or name == "history":
-            raise InputError(
-                f"output.figures: the name {name!r} is taken; give each figure a name of its own"
-            )

@@ -6,12 +6,14 @@ import importlib
 import inspect
 import types
 import typing
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from pydantic import BaseModel, GetJsonSchemaHandler, ValidationError
 from pydantic_core import CoreSchema
 
-from matpoint.errors import did_you_mean
+from matpoint.errors import InputError, did_you_mean
 
 _KINDS = {float: "number", int: "integer", str: "string", bool: "boolean"}
 _WANTED = {
@@ -20,6 +22,35 @@ _WANTED = {
     "finite_number": "a finite number", "string_too_long": "a shorter text",
     "string_too_short": "a text that is not empty",
 }  # fmt: skip
+
+
+_MANY = 10  # names, beyond which the nearest says more than all of them
+
+
+@contextmanager
+def naming(where: str) -> Iterator[None]:
+    """Put a table and key before the message of what is refused inside, if they do not stand there yet."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error)
+        raise (error if text.startswith(where) else InputError(f"{where}: {text}")) from None
+
+
+def choose(word: str, known: Iterable[str], where: str) -> None:
+    """Refuse a word that is not one of some names, with the nearest of them, or all if none is near.
+
+    Raises
+    ------
+    InputError
+        If it is not among them.
+    """
+    names = list(known)
+    if word in names:
+        return
+    hint = did_you_mean(word, names)
+    allowed = "see matpoint list" if hint and len(names) > _MANY else f"allowed are {', '.join(names)}"
+    raise InputError(f"{where} = {word!r}{hint}; {allowed}")
 
 
 class OneOf:

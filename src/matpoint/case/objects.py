@@ -7,13 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from matpoint.boundary import Condition, Fixed, Plane, PrescribedVelocity, Roller, Symmetry
+from matpoint.case.describe import naming
 from matpoint.case.schema import (
     BodyTable,
-    BoundaryTable,
-    DampingTable,
     InterpolationTable,
-    LoadTable,
     MaterialTable,
     SchemeTable,
     TimeTable,
@@ -32,9 +29,8 @@ from matpoint.case.shapes import (
 )
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError, did_you_mean
-from matpoint.expressions import Expression, vector_field
+from matpoint.expressions import vector_field
 from matpoint.interpolation import METHODS, Interpolation
-from matpoint.loads import BodyForce, Damping, Gravity, Load, LocalDamping, MassDamping, NoDamping
 from matpoint.materials import MATERIALS, Material, material_from
 from matpoint.meshes import domains_from_arrays, extrude, mesh_annulus, mesh_box
 from matpoint.regions import Annulus, Ball, Box, HalfSpace, Polygon, Region
@@ -121,7 +117,8 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
             f" allowed are {', '.join(METHODS)}"
         )
     choice = METHODS[table.method]
-    options = {k: v for k, v in table.model_dump(exclude={"method"}).items() if v is not None}
+    given = ((name, getattr(table, name)) for name in type(table).model_fields if name != "method")
+    options: dict[str, Any] = {name: value for name, value in given if value is not None}
     allowed = [f.name for f in dataclasses.fields(choice) if f.name != "degree"]
     for key in options:
         if key not in allowed:
@@ -129,7 +126,10 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
                 f"interpolation.{key}: {table.method} has no such option; it has"
                 f" {', '.join(allowed) or 'none'}"
             )
-    return dataclasses.replace(choice, **options)
+    with naming("interpolation"):
+        if not isinstance(options.get("where", ""), str):
+            options["where"] = make_region(options["where"])
+        return dataclasses.replace(choice, **options)
 
 
 def make_scheme(table: SchemeTable) -> Scheme:
@@ -137,77 +137,9 @@ def make_scheme(table: SchemeTable) -> Scheme:
     if table.blend is not None and table.transfer != "flip":
         raise InputError(f"scheme.blend: {table.transfer} has no blend; it belongs to flip")
     blend = 1.0 if table.blend is None else table.blend
-    transfers = {"flip": FLIP(blend), "pic": PIC(), "apic": APIC()}
+    with naming("scheme.blend"):
+        transfers = {"flip": FLIP(blend), "pic": PIC(), "apic": APIC()}
     return SCHEMES[table.order](transfers[table.transfer])
-
-
-def make_condition(table: BoundaryTable, number: int, dim: int) -> Condition:
-    """Return the boundary condition of a table."""
-    where = f"boundaries.{number}"
-    if (table.plane is None) == (table.region is None):
-        raise InputError(f"{where}: give either plane or region")
-    if table.velocity is not None and table.kind != "velocity":
-        raise InputError(f"{where}.velocity: only kind = 'velocity' has one")
-    if table.normal is not None and table.kind != "roller":
-        raise InputError(f"{where}.normal: only kind = 'roller' has one")
-    place: Any = (
-        make_region(table.region)
-        if table.plane is None
-        else Plane(table.plane.axis, table.plane.at, table.plane.side)
-    )
-    if table.kind == "fixed":
-        return Fixed(place)
-    if table.kind == "roller":
-        return Roller(place, None if table.normal is None else tuple(table.normal))
-    if table.kind == "symmetry":
-        if not isinstance(place, Plane):
-            raise InputError(f"{where}: symmetry needs a plane, not a region")
-        return Symmetry(place)
-    if table.velocity is None:
-        raise InputError(f"{where}: kind = 'velocity' needs velocity = [...], one entry per axis")
-    parts = [_component(v, f"{where}.velocity[{k}]") for k, v in enumerate(table.velocity)]
-    return PrescribedVelocity(place, tuple(parts))
-
-
-def _component(value: float | str, where: str) -> Any:
-    if not isinstance(value, str):
-        return float(value)
-    if value == "free":
-        return None
-    formula = Expression(value, ("x", "y", "z", "t"), where)
-    return lambda x, t: np.broadcast_to(formula(x=x[:, 0], y=x[:, 1], z=x[:, 2], t=t), (len(x),))
-
-
-def make_load(table: LoadTable, number: int, dim: int) -> Load:
-    """Return the load of a table."""
-    where = f"loads.{number}"
-    if table.kind == "body-force":
-        if table.ramp or table.history is not None:
-            raise InputError(
-                f"{where}: a body force has its time in its expressions; ramp and history don't apply"
-            )
-        field = vector_field(list(table.value), dim, f"{where}.value")
-        return BodyForce(field)
-    if any(isinstance(v, str) for v in table.value):
-        raise InputError(
-            f"{where}.value = {table.value!r}: gravity takes numbers; use history, or a body-force"
-        )
-    history = None
-    if table.history is not None:
-        formula = Expression(table.history, ("t",), f"{where}.history")
-        history = lambda t: float(formula(t=t))  # noqa: E731
-    return Gravity(tuple(float(v) for v in table.value), table.ramp, history)
-
-
-def make_damping(table: DampingTable | None) -> Damping:
-    """Return the damping of a table."""
-    if table is None or table.kind == "none":
-        return NoDamping()
-    wanted, other = ("rate", "factor") if table.kind == "mass" else ("factor", "rate")
-    value = getattr(table, wanted)
-    if value is None or getattr(table, other) is not None:
-        raise InputError(f"damping: kind = {table.kind!r} takes {wanted}, and nothing else")
-    return MassDamping(value) if table.kind == "mass" else LocalDamping(value)
 
 
 def make_timestep(table: TimeTable) -> TimeStep:
@@ -217,8 +149,12 @@ def make_timestep(table: TimeTable) -> TimeStep:
     if table.step is not None:
         if table.largest is not None:
             raise InputError("time.largest: it belongs to cfl, not to a fixed step")
-        return FixedStep(table.step, table.allow_unstable)
+        with naming("time.step"):
+            return FixedStep(table.step, table.allow_unstable)
     if table.allow_unstable:
         raise InputError("time.allow_unstable: it belongs to a fixed step; cfl is always stable")
     assert table.cfl is not None
-    return CFL(table.cfl) if table.largest is None else CFL(table.cfl, largest=table.largest)
+    with naming("time.cfl"):
+        rule = CFL(table.cfl)
+    with naming("time.largest"):
+        return rule if table.largest is None else CFL(table.cfl, largest=table.largest)

@@ -53,6 +53,8 @@ class InterpolationTable(Table):
 
     method: Annotated[str, OneOf("matpoint.interpolation", "METHODS")]
     layers: int | None = None
+    where: Literal["interfaces", "all"] | RegionTable | None = None
+    hourglass: float | None = None
     stretch: str | None = None
     on_inversion: str | None = None
 
@@ -73,21 +75,35 @@ class PlaneTable(Table):
     side: Literal["lower", "upper"] | None = None
 
 
+class SurfaceTable(Table):
+    """A boundary set of one body."""
+
+    name: Annotated[str, Field(min_length=1, max_length=200)]
+    body: str | None = None
+
+
+SurfaceName = Annotated[str, Field(min_length=1, max_length=200)] | SurfaceTable
+
+
 class BoundaryTable(Table):
-    """A condition on the velocity of nodes, on a plane or in a region."""
+    """A condition on the velocity: of nodes on a plane or in a region, or of corners of domains."""
 
     kind: Literal["fixed", "roller", "symmetry", "velocity"]
     plane: PlaneTable | None = None
     region: RegionTable | None = None
+    surface: SurfaceName | None = None
+    corners: RegionTable | None = None
     normal: Vector | None = None
     velocity: Annotated[list[Component], Field(min_length=1, max_length=3)] | None = None
 
 
 class LoadTable(Table):
-    """Gravity (numbers, a ramp, a history) or a body force (expressions of X, Y, Z, x, y, z, t)."""
+    """Gravity, a body force (expressions of X, Y, Z, x, y, z, t), or a load on faces of domains."""
 
-    kind: Literal["gravity", "body-force"]
-    value: Annotated[list[Component], Field(min_length=1, max_length=3)]
+    kind: Literal["gravity", "body-force", "pressure", "traction"]
+    value: Annotated[list[Component], Field(min_length=1, max_length=3)] | float
+    surface: SurfaceName | None = None
+    per: Literal["initial", "current"] | None = None
     ramp: float = 0.0
     history: Formula | None = None
 
@@ -101,13 +117,19 @@ class DampingTable(Table):
 
 
 class TimeTable(Table):
-    """End time, and a fixed ``step`` or a share ``cfl`` of the stable one."""
+    """End time, and a fixed ``step`` or a share ``cfl`` of the stable one.
+
+    ``sample_every`` and ``sort_every`` are steps between two entries of the ledger, and between two sorts
+    of the particles by cell.
+    """
 
     end: float
     step: float | None = None
     cfl: float | None = None
     largest: float | None = None
     allow_unstable: bool = False
+    sample_every: Annotated[int, Field(ge=1)] | None = None
+    sort_every: Annotated[int, Field(ge=1)] | None = None
 
 
 class TriggerTable(Table):
@@ -138,8 +160,8 @@ class HistoryTable(TriggerTable):
 class FigureTable(TriggerTable):
     """Pictures of the particles; without a trigger at the end only."""
 
-    colour: str = "von_mises"
-    name: str = "particles"
+    colour: Annotated[str, OneOf("matpoint.output.figures", "COLOURS")] = "von_mises"
+    name: Annotated[str, Field(min_length=1, max_length=80)] = "particles"
 
 
 class OutputTable(Table):

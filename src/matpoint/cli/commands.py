@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from matpoint._version import __version__
-from matpoint.errors import InputError, RunError
+from matpoint.errors import InputError
 
 app = App(
     name="matpoint",
@@ -28,10 +28,24 @@ Plugin = Annotated[
     list[Path],
     Parameter(name="--plugin", negative=(), help="A Python file that registers materials. It is run."),
 ]
-Out = Annotated[Path | None, Parameter(name="--out", help="Output folder; default results/<case>.")]
+Out = Annotated[Path | None, Parameter(name="--out", help="Output folder; default results/CASE.")]
 Threads = Annotated[int | None, Parameter(name="--threads", help="Number of threads; default all.")]
+Json = Annotated[
+    bool,
+    Parameter(
+        name="--json",
+        negative=(),
+        help="Print one JSON object only; without --out no figures are drawn and nothing is written.",
+    ),
+]
 Force = Annotated[
-    bool, Parameter(name="--force", negative=(), help="Write to a folder that holds something.")
+    bool,
+    Parameter(
+        name="--force",
+        negative=(),
+        help="Write to a folder that holds something. Files that earlier runs wrote there, listed in its"
+        " .matpoint-files, are removed first; no other file is removed or overwritten.",
+    ),
 ]
 
 
@@ -45,9 +59,10 @@ def _load(case: str, settings: list[str], plugins: list[Path]) -> Any:
 
 
 def _keep(inputs: Sequence[str | Path], folder: Path) -> None:
-    """Refuse an output folder that holds an input of this run: --force would clear it away."""
+    """Refuse an output folder that holds an input of this run: it could be removed or overwritten."""
     for given in inputs:
-        if Path(given).is_file() and folder.resolve() == Path(given).resolve().parent:
+        path = Path(given)
+        if path.is_file() and folder.resolve() in (path.resolve().parent, path.absolute().parent.resolve()):
             raise InputError(f"output: {folder} holds {given} itself; choose another folder with --out")
 
 
@@ -63,6 +78,7 @@ def _only_problem(settings: Sequence[str]) -> None:
 @app.command
 def run(
     case: str,
+    /,
     *,
     out: Out = None,
     set_: Settings = [],  # noqa: B006 (never changed)
@@ -79,31 +95,26 @@ def run(
     case
         A TOML file, or the name of a bundled case (see ``matpoint list``).
     """
-    from matpoint.case import build_simulation, build_writers  # noqa: PLC0415 (slow to import)
+    from matpoint.case import build_simulation, build_writers, planned  # noqa: PLC0415 (slow to import)
     from matpoint.output import Progress, prepare_folder, resume  # noqa: PLC0415
 
     read = _load(case, set_, plugin)
+    folder = Path("results") / read.name if out is None else out
+    _keep([case, *plugin, *([] if restart is None else [restart])], folder)
     simulation = build_simulation(read, threads)
+    said = len(simulation.notes)  # these came as warnings
+    writers = build_writers(read, folder, simulation)
     if restart is not None:
         resume(simulation, restart)
         if simulation.time >= read.tables.time.end:
             raise InputError(
                 f"restart: the checkpoint is at {simulation.time:g} s; time.end = {read.tables.time.end:g} s"
             )
-    folder = Path("results") / read.name if out is None else out
-    writers = build_writers(read, folder)
-    _keep([case, *plugin], folder)
-    prepare_folder(folder, force)
+    prepare_folder(folder, force, planned(writers))
     try:
         simulation.run(read.tables.time.end, writers, Progress(quiet))
-    except OSError as error:  # the folder was fine at the start: the disk is full, or is gone
-        raise RunError(
-            f"{error.filename or folder}: {error.strerror or error}",
-            step=simulation.step,
-            time=simulation.time,
-        ) from None
     finally:
-        for note in simulation.notes:
+        for note in simulation.notes[said:]:
             print(f"note: {note}", file=sys.stderr)
     print(f"{read.name}: {simulation.step} steps to t = {simulation.time:g} s; results in {folder}")
 
@@ -111,8 +122,9 @@ def run(
 @app.command
 def verify(
     case: str,
+    /,
     *,
-    json_: Annotated[bool, Parameter(name="--json", negative=(), help="Print one JSON object only.")] = False,
+    json_: Json = False,
     set_: Settings = [],  # noqa: B006 (never changed)
     methods: Annotated[str | None, Parameter(name="--methods", help="Names, separated by commas.")] = None,
     out: Out = None,
@@ -138,7 +150,7 @@ def verify(
     folder = Path("results") / f"verify-{read.name}" if out is None and not json_ else out
     if folder is not None:
         _keep([case], folder)
-        prepare_folder(folder, force)
+        prepare_folder(folder, force, [*problem.files, "verify.json"])
 
     def announce(name: str, number: int, count: int) -> None:
         print(f"[{number + 1}/{count}] {name}", file=sys.stderr, flush=True)
@@ -153,6 +165,28 @@ def verify(
     print(f"\nfigures and verify.json in {folder}")
 
 
+@app.command
+def reproduce(paper: str, /, *, out: Out = None, force: Force = False) -> None:
+    """Make every figure of a paper, and tables, in one folder, with the settings used.
+
+    Parameters
+    ----------
+    paper
+        ``cpdi2``: the enriched CPDI2 paper, the bi-material bar and ring.
+    """
+    from matpoint.errors import did_you_mean  # noqa: PLC0415 (slow to import)
+    from matpoint.output import prepare_folder  # noqa: PLC0415
+    from matpoint.reproduce import PAPERS  # noqa: PLC0415
+
+    if paper not in PAPERS:
+        raise InputError(f"reproduce: {paper!r}{did_you_mean(paper, PAPERS)}; there is {', '.join(PAPERS)}")
+    folder = Path("results") / f"reproduce-{paper}" if out is None else out
+    prepare_folder(folder, force, ["*.png", "*.csv", "table.*", "settings.json"])
+    PAPERS[paper](folder, lambda text: print(text, file=sys.stderr, flush=True))
+    print((folder / "table.md").read_text(encoding="utf-8"))
+    print(f"figures, table.md, table.json and settings.json in {folder}")
+
+
 @app.command(name="list")
 def list_() -> None:
     """List bundled cases, problems, interpolations, materials, schemes and quantities."""
@@ -164,6 +198,7 @@ def list_() -> None:
 @app.command
 def explain(
     case: str,
+    /,
     *,
     set_: Settings = [],  # noqa: B006 (never changed)
     plugin: Plugin = [],  # noqa: B006 (never changed)
@@ -193,6 +228,7 @@ def info() -> None:
 @app.command
 def cite(
     case: str,
+    /,
     *,
     set_: Settings = [],  # noqa: B006 (never changed)
     plugin: Plugin = [],  # noqa: B006 (never changed)

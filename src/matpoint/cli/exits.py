@@ -7,9 +7,9 @@ import sys
 import warnings
 from typing import Any
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, MissingArgumentError
 
-from matpoint.errors import InputError, MatpointError
+from matpoint.errors import InputError, MatpointError, Terminated
 
 
 def _say(text: str) -> None:
@@ -18,6 +18,13 @@ def _say(text: str) -> None:
 
 def _warning(message: Warning | str, *_: Any, **__: Any) -> None:
     _say(f"warning: {message}")
+
+
+def _command_line(error: CycloptsError) -> str:
+    """What is wrong with the command line, in one line."""
+    if isinstance(error, MissingArgumentError) and error.argument is not None:
+        return f"{' '.join(error.command_chain or ())}: {error.argument.names[0]} is missing"
+    return str(error).replace("\n", " ").strip()
 
 
 def exit_code(app: App, arguments: list[str]) -> int:
@@ -29,12 +36,14 @@ def exit_code(app: App, arguments: list[str]) -> int:
         _say(f"error: {error}")
         return error.exit_code
     except CycloptsError as error:
-        _say(f"error: {error}".replace("\n", " ").strip())
+        _say(f"error: {_command_line(error)}")
         _say("see matpoint --help")
         return InputError.exit_code
-    except KeyboardInterrupt:
-        _say("interrupted: what was written so far is complete and readable")
-        return 130
+    except KeyboardInterrupt as error:
+        terminated = isinstance(error, Terminated)
+        word = "terminated" if terminated else "interrupted"
+        _say(f"{word}: what was written so far is complete and readable")
+        return 143 if terminated else 130
     except BrokenPipeError:
         # Whoever read our output has gone; say nothing more to a closed pipe.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

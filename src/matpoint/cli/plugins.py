@@ -29,5 +29,5 @@ def load_plugin(path: Path) -> None:
         spec.loader.exec_module(module)
     except MatpointError as error:
         raise InputError(f"--plugin {path}: {error}") from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"--plugin {path}: {type(error).__name__}: {error}") from None

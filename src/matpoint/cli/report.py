@@ -49,7 +49,8 @@ def listing() -> str:
 
 def explanation(case: Case, sim: Simulation) -> str:
     """Return what a case is and what a step of it does."""
-    from matpoint.timestep import stable_step  # noqa: PLC0415 (slow to import)
+    from matpoint.fingerprint import spelled  # noqa: PLC0415 (slow to import)
+    from matpoint.timestep import stable_step  # noqa: PLC0415
 
     v = sim.vertices
     sizes = f"{len(sim.particles)} particles, {sim.engine.mapping.nodes.on_grid} grid nodes"
@@ -59,7 +60,7 @@ def explanation(case: Case, sim: Simulation) -> str:
         "case": f"{case.name}: {case.tables.title}" if case.tables.title else case.name,
         "method": f"{sim.interpolation.name}, {sim.interpolation!r}",
         "scheme": f"{sim.scheme.name} with {sim.scheme.transfer!r}",
-        "materials": "; ".join(repr(m) for m in sim.materials),
+        "materials": "; ".join(spelled(m) for m in sim.materials),
         "size": f"{sim.dim}-D, {sizes}",
         "step": f"dt = {sim.dt:.4g} s, stable up to {stable_step(sim):.4g} s",
     }

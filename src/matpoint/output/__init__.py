@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from matpoint.output.checkpoint import Checkpoint, resume
 from matpoint.output.contract import Writer
-from matpoint.output.figures import HistoryFigure, ParticleFigure
+from matpoint.output.curves import HistoryFigure
+from matpoint.output.figures import ParticleFigure
 from matpoint.output.folder import inside, prepare_folder
 from matpoint.output.history import History, Probe, Recorder
 from matpoint.output.progress import Progress

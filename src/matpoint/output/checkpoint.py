@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,12 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from matpoint.errors import InputError
+from matpoint.fingerprint import identity
+from matpoint.output.folder import claim
+from matpoint.output.staged import staged_hdf5
 from matpoint.output.triggers import Trigger
 
 if TYPE_CHECKING:
     from matpoint.simulation import Simulation
 
-_FORMAT = "matpoint checkpoint 1"
+_FORMAT = "matpoint checkpoint 2"
 
 
 class Checkpoint:
@@ -29,7 +33,7 @@ class Checkpoint:
     """
 
     def __init__(self, path: Path, trigger: Trigger) -> None:
-        self.path, self.trigger = path, trigger
+        self.path, self.trigger, self.files = path, trigger, (path.name,)
 
     def open(self, sim: Simulation) -> None:
         """Refuse a place that can't be written before the run begins."""
@@ -38,17 +42,20 @@ class Checkpoint:
 
     def write(self, sim: Simulation) -> None:
         """Write beside the old file, then put the new one in its place."""
-        import h5py  # noqa: PLC0415 (slow to import)
-
         part = self.path.with_name(self.path.name + ".tmp")
-        with h5py.File(part, "w") as file:
-            file.attrs["format"] = _FORMAT
-            file.attrs["fingerprint"] = sim.fingerprint()
-            for name, value in sim.state_scalars().items():
-                file.attrs[f"scalar.{name}"] = value
-            for name, values in sim.state_arrays().items():
-                file.create_dataset(name, data=values)
-        os.replace(part, self.path)
+        claim(self.path)
+        try:
+            with staged_hdf5(part, "w") as file:
+                file.attrs["format"] = _FORMAT
+                file.attrs["identity"] = json.dumps(identity(sim))
+                for name, value in sim.state_scalars().items():
+                    file.attrs[f"scalar.{name}"] = value
+                for name, values in sim.state_arrays().items():
+                    file.create_dataset(name, data=values)
+            os.replace(part, self.path)
+        except OSError:
+            part.unlink(missing_ok=True)
+            raise
 
     def close(self, sim: Simulation, error: BaseException | None) -> None:
         """Keep the state of a run that was interrupted between two steps."""
@@ -69,15 +76,17 @@ def resume(sim: Simulation, path: Path | str) -> None:
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != _FORMAT:
-                raise InputError(f"restart: {path} is not a matpoint checkpoint")
-            fingerprint = file.attrs["fingerprint"]
+                raise InputError(f"restart: {path} is not a matpoint checkpoint of this version")
+            held = dict(json.loads(str(file.attrs["identity"])))
             prefix = "scalar."
             scalars = {k[len(prefix) :]: float(v) for k, v in file.attrs.items() if k.startswith(prefix)}
             arrays = {name: np.asarray(data) for name, data in file.items()}
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"restart: {path} can't be read ({error})") from None
-    if fingerprint != sim.fingerprint():
+    other = [name for name, value in identity(sim).items() if held.get(name) != value]
+    if other:
         raise InputError(
-            f"restart: {path} belongs to another case (grid, method, scheme, materials or sizes differ)"
+            f"restart: {path} belongs to another case: {', '.join(other)} differ; loads, time step, end time"
+            " and output may be changed"
         )
     sim.restore(arrays, scalars)

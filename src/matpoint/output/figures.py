@@ -1,7 +1,8 @@
-"""Pictures: one style for all, curves, and particles as they lie."""
+"""Pictures: one style for all, and particles as they lie."""
 
 from __future__ import annotations
 
+import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from matpoint.domains import Kind
 from matpoint.errors import InputError
 from matpoint.faces import FACES
+from matpoint.output.folder import claim
 from matpoint.output.triggers import AtTimes, Trigger
 
 if TYPE_CHECKING:
@@ -53,7 +55,7 @@ def new_figure(
 
 def save(figure: Any, path: Path) -> Path:
     """Write a PNG."""
-    figure.savefig(path, dpi=150, bbox_inches="tight")
+    figure.savefig(claim(path), dpi=150, bbox_inches="tight")
     return path
 
 
@@ -155,16 +157,22 @@ def draw_particles(sim: Simulation, path: Path, colour: str = "von_mises") -> Pa
 
 
 class ParticleFigure:
-    """Pictures of the particles at some times, and at the end.
+    """Pictures of the particles at some times and at the end, or at the end only.
 
     Parameters
     ----------
     folder, stem
-        Files are ``<stem>-<number>.png``; the end is ``<stem>.png``.
+        Files are ``<stem>-<number>.png``, the end the last of them; without a trigger, the end alone is
+        drawn, to ``<stem>.png``.
     colour
         One of ``COLOURS``.
     trigger
-        When a picture is drawn besides the last.
+        When a picture is drawn besides the end.
+
+    Raises
+    ------
+    InputError
+        If there is no such colour, or the stem is no plain name.
     """
 
     def __init__(
@@ -172,10 +180,13 @@ class ParticleFigure:
     ) -> None:
         if colour not in _COLOURS:
             raise InputError(f"figure: colour = {colour!r}; {', '.join(COLOURS)} are allowed")
+        if not stem.strip() or not stem.isprintable() or any(c in stem for c in "/\\"):
+            raise InputError(f"figure: name = {stem!r} must be a plain file name, without its ending")
         self.folder, self.stem, self.colour = folder, stem, colour
         self._numbered = trigger is not None
         self.trigger: Trigger = trigger if trigger is not None else AtTimes((0.0,))
-        self._count = 0
+        self.files = (glob.escape(stem) + ("-[0-9]*.png" if self._numbered else ".png"),)
+        self._count, self._drawn = 0, -1
 
     def open(self, sim: Simulation) -> None:
         """Nothing is needed before the first picture."""
@@ -184,44 +195,13 @@ class ParticleFigure:
         """Draw a numbered picture."""
         if self._numbered:
             draw_particles(sim, self.folder / f"{self.stem}-{self._count:03d}.png", self.colour)
-            self._count += 1
+            self._count, self._drawn = self._count + 1, sim.step
 
     def close(self, sim: Simulation, error: BaseException | None) -> None:
-        """Draw the end, unless the run failed."""
-        if error is None:
-            draw_particles(sim, self.folder / f"{self.stem}.png", self.colour)
-
-
-class HistoryFigure:
-    """A picture of columns of a history over time, drawn at the end.
-
-    Parameters
-    ----------
-    path
-        The file.
-    history
-        A :class:`~matpoint.output.history.Recorder` of the same run.
-    """
-
-    trigger: Trigger = AtTimes((0.0,))
-
-    def __init__(self, path: Path, history: Any) -> None:
-        self.path, self.history = path, history
-
-    def open(self, sim: Simulation) -> None:
-        """Nothing is needed before the end."""
-
-    def write(self, sim: Simulation) -> None:
-        """Nothing is drawn before the end."""
-
-    def close(self, sim: Simulation, error: BaseException | None) -> None:
-        """Draw one panel for each column."""
-        columns = self.history.columns[2:]
-        if error is not None or not columns or not self.history.rows:
+        """Draw the end, unless the run failed or the last picture shows it."""
+        if error is not None:
             return
-        figure, axes = new_figure(7.0, 1.2 + 1.8 * len(columns), len(columns), share_y=False)
-        for axis, column in zip(np.atleast_1d(axes), columns, strict=True):
-            axis.plot(self.history.array("time"), self.history.array(column), color="#0F4C81")
-            axis.set_ylabel(column)
-        np.atleast_1d(axes)[-1].set_xlabel("time [s]")
-        save(figure, self.path)
+        if not self._numbered:
+            draw_particles(sim, self.folder / f"{self.stem}.png", self.colour)
+        elif self._drawn != sim.step:
+            self.write(sim)

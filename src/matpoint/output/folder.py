@@ -1,52 +1,110 @@
-"""The output folder: what may be written where."""
+"""The output folder: what may be written where, and what of it may be removed again."""
 
 from __future__ import annotations
 
 import os
+import stat
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from matpoint.errors import InputError
 
-# What matpoint itself writes: the only files that --force may remove.
-_OWN_SUFFIXES = (".vtkhdf", ".csv", ".json", ".png", ".h5", ".bib", ".toml", ".tmp")
+# The list of files that runs created in a folder. Only these may be removed, and only with these endings.
+_LIST = ".matpoint-files"
+_HEAD = "# Files that matpoint wrote here; --force removes these and no others."
+_SUFFIXES = (".vtkhdf", ".csv", ".json", ".png", ".h5", ".md")
+_LONGEST = 10_000_000  # bytes of a list
 
 
-def prepare_folder(path: Path | str, force: bool = False) -> Path:
-    """Create an output folder, or clear an old one.
+def prepare_folder(path: Path | str, force: bool = False, files: Sequence[str] = ()) -> Path:
+    """Create an output folder, or take an old one.
 
     Parameters
     ----------
     path
         The folder.
     force
-        Take a folder that holds something, and remove the files in it that matpoint writes (by their
-        endings); others are left alone.
+        Take a folder that holds something, and remove the files that earlier runs listed as theirs in
+        ``.matpoint-files``; everything else is left alone.
+    files
+        Names, or patterns such as ``"beam-*.png"``, of what will be written.
 
     Raises
     ------
     InputError
-        If it can't be created or written, is a file, or holds something and ``force`` is not given.
+        If it can't be created or written, is a file, holds something and ``force`` is not given, or holds
+        a file of another origin that would be overwritten.
     """
     folder = Path(path)
     try:
         if folder.exists() and not folder.is_dir():
             raise InputError(f"output: {folder} is a file; a folder is needed")
-        held = sorted(p.name for p in folder.iterdir()) if folder.exists() else []
+        held = sorted(p.name for p in folder.iterdir() if p.name != _LIST) if folder.exists() else []
         if held and not force:
             raise InputError(
                 f"output: {folder} holds {len(held)} entries ({held[0]}, ...); use --force to write there,"
                 " or --out for another folder"
             )
+        own = _own(folder, held)
+        _refuse_overwriting(folder, [name for name in held if name not in own], files)
         folder.mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK | os.X_OK):
             raise InputError(f"output: {folder} can't be written to; check its permissions")
-        for name in held:
-            old = folder / name
-            if old.suffix in _OWN_SUFFIXES and (old.is_symlink() or old.is_file()):
-                old.unlink()  # of a link, this removes the link only
+        for name in own:
+            (folder / name).unlink()  # of a link, this removes the link only
+        (folder / _LIST).unlink(missing_ok=True)
+        with (folder / _LIST).open("x", encoding="utf-8") as file:
+            file.write(_HEAD + "\n")
     except OSError as error:
         raise InputError(f"output: {folder} can't be used ({error.strerror or error})") from None
     return folder
+
+
+def _refuse_overwriting(folder: Path, others: Sequence[str], files: Sequence[str]) -> None:
+    for name in others:
+        if any(fnmatchcase(name, pattern) for pattern in files):
+            raise InputError(
+                f"output: {folder} holds {name}, which no run is known to have written there, and this one"
+                " would overwrite it; move it away, or choose another folder with --out"
+            )
+
+
+def _own(folder: Path, held: Sequence[str]) -> list[str]:
+    """Names of plain files and links in the folder that earlier runs listed as theirs."""
+    listed = set(_listed(folder))
+    own = [name for name in held if name.removesuffix(".tmp") in listed]
+    return [name for name in own if (folder / name).is_symlink() or (folder / name).is_file()]
+
+
+def _listed(folder: Path) -> list[str]:
+    """The list as it stands, less whatever is not a plain name of a file that matpoint writes."""
+    path = folder / _LIST
+    try:
+        found = path.lstat()  # a link is not followed
+        if not stat.S_ISREG(found.st_mode) or found.st_size > _LONGEST:
+            return []
+        head, *names = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError):
+        return []
+    plain = [n for n in names if n == os.path.basename(n) and "\\" not in n and "\0" not in n]
+    return [n for n in plain if n.endswith(_SUFFIXES)] if head == _HEAD else []
+
+
+def claim(path: Path) -> Path:
+    """Add a file that is about to be written to the list of its folder, if that was prepared.
+
+    Returns
+    -------
+    Path
+        The same path.
+    """
+    folder = path.parent
+    if (folder / _LIST).exists() and path.name not in _listed(folder):
+        flags = os.O_WRONLY | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0)
+        with open(os.open(folder / _LIST, flags), "a", encoding="utf-8") as file:
+            file.write(path.name + "\n")
+    return path
 
 
 def inside(folder: Path, name: str) -> Path:

@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from matpoint._version import __version__
-from matpoint.errors import InputError, RunError
-from matpoint.ledger import LedgerEntry, take_entry
+from matpoint.errors import InputError, RunError, Terminated
+from matpoint.fingerprint import spelled
+from matpoint.ledger import LedgerEntry
+from matpoint.output.folder import claim
 from matpoint.output.triggers import EverySteps
 
 if TYPE_CHECKING:
@@ -38,9 +40,13 @@ def plain(value: Any) -> Any:
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON file in one go: a reader never sees half of it."""
-    part = path.with_name(path.name + ".tmp")
-    part.write_text(json.dumps(plain(content), indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    os.replace(part, path)
+    part = claim(path).with_name(path.name + ".tmp")
+    try:
+        part.write_text(json.dumps(plain(content), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        os.replace(part, path)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise
 
 
 def _versions() -> dict[str, str]:
@@ -56,6 +62,14 @@ def _versions() -> dict[str, str]:
 def _entry(entry: LedgerEntry) -> dict[str, Any]:
     names = ("time", "mass", "momentum", "angular_momentum", "kinetic", "strain", "external_work", "total")
     return {name: getattr(entry, name) for name in names}
+
+
+def _cause(error: BaseException) -> str:
+    if isinstance(error, Terminated):
+        return "terminated by a signal (SIGTERM)"
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted by the user"
+    return str(error) or type(error).__name__
 
 
 class Summary:
@@ -77,6 +91,7 @@ class Summary:
         self, path: Path, case: Mapping[str, Any] | None = None, norms: Mapping[str, Any] | None = None
     ) -> None:
         self.path, self.case, self.norms = path, dict(case or {}), dict(norms or {})
+        self.files = (path.name,)
         self._range = (math.inf, 0.0)
 
     def open(self, sim: Simulation) -> None:
@@ -101,8 +116,6 @@ class Summary:
 
     def _content(self, sim: Simulation, status: str, error: BaseException | None) -> dict[str, Any]:
         wall, steps = time.perf_counter() - self._begin, sim.step - self._first
-        if error is None:
-            sim.ledger.book(take_entry(sim.engine))
         ledger = sim.ledger
         content: dict[str, Any] = {
             "case": self.case,
@@ -116,7 +129,7 @@ class Summary:
             "vertices": 0 if sim.vertices is None else len(sim.vertices),
             "enriched_vertices": 0 if sim.vertices is None else len(sim.vertices.enriched),
             "nodes": len(sim.engine.mapping.nodes.records),
-            "materials": [repr(m) for m in sim.materials],
+            "materials": [spelled(m) for m in sim.materials],
             "time": sim.time,
             "steps": sim.step,
             "dt": {"smallest": self._range[0], "largest": self._range[1]},
@@ -139,5 +152,5 @@ class Summary:
                 "particle": error.particle, "position": error.position,
             }  # fmt: skip
         elif error is not None:
-            content["error"] = {"cause": str(error) or type(error).__name__}
+            content["error"] = {"cause": _cause(error)}
         return content

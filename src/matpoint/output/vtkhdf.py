@@ -14,6 +14,8 @@ import numpy as np
 
 from matpoint.domains import Kind
 from matpoint.errors import InputError
+from matpoint.output.folder import claim
+from matpoint.output.staged import staged_hdf5
 from matpoint.output.triggers import Trigger
 from matpoint.quality import aspect_ratios, corner_jacobians
 from matpoint.quantities import domain_gaps
@@ -60,7 +62,7 @@ class VTKHDF:
     """A time series of particles: points for the box family, deformed cells for the vertex family.
 
     The file is closed after every step, so that what has been written stays readable however the run
-    ends. Particles stand in order of id.
+    ends, a full disk included. Particles stand in order of id.
 
     Parameters
     ----------
@@ -71,14 +73,14 @@ class VTKHDF:
     """
 
     def __init__(self, path: Path, trigger: Trigger) -> None:
-        self.path, self.trigger = path, trigger
+        self.path, self.trigger, self.files = path, trigger, (path.name,)
 
     def open(self, sim: Simulation) -> None:
         """Create the file, still without steps."""
         self._connectivity = np.zeros(0, dtype=np.int64)
         self._block = {"PartOffsets": -1, "CellOffsets": 0, "ConnectivityIdOffsets": 0}
         try:
-            with self._file("w") as file:
+            with staged_hdf5(claim(self.path), "w") as file:
                 root = file.create_group("VTKHDF")
                 root.attrs["Version"] = np.array([2, 2])
                 root.attrs.create("Type", np.bytes_("UnstructuredGrid"))
@@ -103,7 +105,7 @@ class VTKHDF:
                 "displacement": v.position - v.position0,
                 "enriched": v.is_enriched.astype(np.uint8),
             }
-        with self._file("r+") as file:
+        with staged_hdf5(self.path, "r+") as file:
             root = file["VTKHDF"]
             steps = root["Steps"]
             number = int(steps.attrs["NSteps"])
@@ -145,11 +147,6 @@ class VTKHDF:
         """Nothing is left open between steps."""
 
     # -- helpers -----------------------------------------------------------------------------
-
-    def _file(self, mode: str) -> Any:
-        import h5py  # noqa: PLC0415 (slow to import)
-
-        return h5py.File(self.path, mode)
 
     @staticmethod
     def _append(group: Any, name: str, values: np.ndarray) -> None:

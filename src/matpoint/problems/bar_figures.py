@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from matpoint.output.figures import method_style, new_figure, save
+from matpoint.output.folder import claim
 from matpoint.reference.modal import ModalBar
 
 if TYPE_CHECKING:
@@ -140,7 +141,7 @@ def _table(tracks: Mapping[str, Track], path: Path) -> Path:
         columns[f"{name} tip [m]"] = track.tip
         columns[f"{name} sigma_B [Pa]"] = track.sigma_b
         columns[f"{name} sigma_C [Pa]"] = track.sigma_c
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with claim(path).open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(columns)
         writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
