@@ -62,6 +62,9 @@ def explanation(case: Case, sim: Simulation) -> str:
         "scheme": f"{sim.scheme.name} with {sim.scheme.transfer!r}",
         "materials": "; ".join(spelled(m) for m in sim.materials),
         "size": f"{sim.dim}-D, {sizes}",
+        "boundaries": "; ".join(spelled(c) for c in sim.boundaries) or "none",
+        "loads": "; ".join(spelled(load) for load in sim.loads) or "none",
+        "damping": spelled(sim.engine.damping),
         "step": f"dt = {sim.dt:.4g} s, stable up to {stable_step(sim):.4g} s",
     }
     return _block("what", head) + "\n\nstages of a step\n" + sim.explain()
