@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from matpoint.problem import Problem
 from matpoint.problems.bimaterial_bar import BimaterialBar
+from matpoint.problems.laminate import Laminate
 
 #: Name, as on the command line -> the class.
-PROBLEMS: dict[str, type[Problem]] = {problem.name: problem for problem in (BimaterialBar,)}
+PROBLEMS: dict[str, type[Problem]] = {
+    problem.name: problem
+    for problem in (
+        BimaterialBar,
+        Laminate,
+    )
+}
 
-__all__ = ["PROBLEMS", "BimaterialBar"]
+__all__ = ["PROBLEMS", "BimaterialBar", "Laminate"]
