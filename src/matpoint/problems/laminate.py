@@ -75,8 +75,9 @@ class Laminate(Problem):
     offset
         Where in its cell the lower face lies, from 0 to 1.
     per_layer
-        Domains across a layer. With more than one, vertices inside the layers must be degrees of freedom
-        too: ``layers = per_layer // 2`` of the enrichment.
+        Domains across a layer. With more than one, ``verify`` enriches the vertices inside the layers too
+        (``layers = per_layer // 2``). Without, two a layer still give moduli within 0.3 %, but stresses
+        that differ by up to 12 % within a layer.
 
     Raises
     ------

@@ -57,7 +57,7 @@ def _profiles(problem: Laminate, runs: Mapping[str, Mapping[str, Strained]]) -> 
             exact = (np.array(problem.layers.young) / (1 - problem.layers.poisson**2) * STRAIN, strains)
         upper, lower = axes[:, column]
         for axis, values in ((upper, exact[0]), (lower, exact[1] / STRAIN)):
-            axis.stairs(values, edges, orientation="horizontal", color="#bbbbbb", linewidth=4.0, label="exact")
+            axis.stairs(values, edges, orientation="horizontal", baseline=None, color="#bbbbbb", linewidth=4.0, label="exact")
             axis.set_ylim(0.0, 1.0)
         for name, loads in runs.items():
             run, style = loads[load], method_style(name) | {"label": name, "linewidth": 1.2, "markersize": 5}
@@ -82,6 +82,7 @@ def _moduli(problem: Laminate, runs: Mapping[str, Mapping[str, Strained]]) -> An
         exact = problem.layers.modulus(load)
         values = [loads[load].modulus / exact for loads in runs.values()]
         bars = axis.bar(list(runs), values, color=[method_style(name)["color"] for name in runs], width=0.6)
+        axis.set_axisbelow(True)
         axis.bar_label(bars, fmt="%.3f", padding=2, fontsize=9)
         axis.axhline(1.0, color="#777777", linewidth=1.0, linestyle=":")
         axis.set(title=f"{_TITLES[load]}: {exact:.4g} Pa", ylim=(0.0, 1.15 * max(*values, 1.0)))
