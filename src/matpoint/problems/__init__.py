@@ -5,6 +5,7 @@ from __future__ import annotations
 from matpoint.problem import Problem
 from matpoint.problems.bimaterial_bar import BimaterialBar
 from matpoint.problems.laminate import Laminate
+from matpoint.problems.sheared_block import ShearedBlock
 
 #: Name, as on the command line -> the class.
 PROBLEMS: dict[str, type[Problem]] = {
@@ -12,7 +13,8 @@ PROBLEMS: dict[str, type[Problem]] = {
     for problem in (
         BimaterialBar,
         Laminate,
+        ShearedBlock,
     )
 }
 
-__all__ = ["PROBLEMS", "BimaterialBar", "Laminate"]
+__all__ = ["PROBLEMS", "BimaterialBar", "Laminate", "ShearedBlock"]

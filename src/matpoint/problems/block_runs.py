@@ -32,7 +32,7 @@ _SHAPE_TIMES = (SHEARED, TURNED)
 
 
 def tractions(stress: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """Return tractions (n, 2) across the second of two axes (2, 2), of stresses xx, yy, zz, xy, ... (n, 6)."""
+    """Return tractions (n, 2) across the second of two axes (2, 2), of stresses (n, 6)"""
     sigma = stress[:, [[0, 3], [3, 1]]]
     return np.einsum("nab,ia,b->ni", sigma, axes, axes[1])
 
@@ -57,6 +57,7 @@ class _Watch:
         t.above.append(across[self.rows[1]].mean(axis=0))
         self._energies.append((sim.quantity("total_energy"), sim.quantity("external_work")))
         t.gap = max(t.gap, sim.quantity("domain_gap"))
+        t.warp = max(t.warp, sim.quantity("largest_warp"))
         if any(abs(sim.time - at) < 0.5 * sim.dt for at in _SHAPE_TIMES) and sim.vertices is not None:
             order = np.argsort(sim.particles.id)
             corners = sim.vertices.position[sim.vertices.connectivity[order], :2]
@@ -74,7 +75,10 @@ def _drift(total: np.ndarray, work: np.ndarray) -> float:
 def _rows(y: np.ndarray, problem: ShearedBlock) -> tuple[np.ndarray, np.ndarray]:
     """Return the domains in the rows below and above the interface, of their middles [m]."""
     quarter, middle = 0.25 * SIZE / problem.cells, 0.5 * SIZE
-    return tuple(np.flatnonzero(np.abs(y - middle - side * quarter) < 0.5 * quarter) for side in (-1, 1))
+    below, above = (
+        np.flatnonzero(np.abs(y - middle - side * quarter) < 0.5 * quarter) for side in (-1.0, 1.0)
+    )
+    return below, above
 
 
 def track(problem: ShearedBlock, interpolation: Interpolation) -> BlockTrack:

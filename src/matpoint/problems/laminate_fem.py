@@ -30,7 +30,12 @@ def strained_fem(problem: Laminate) -> Strained:
     left, right = np.flatnonzero(x[:, 0] < hair), np.flatnonzero(x[:, 0] > WIDTH - hair)
     sides = np.union1d(left, right)
     conditions = {
-        "normal": [Prescribed(sides, 0), *_both(low), Prescribed(high, 0), Prescribed(high, 1, STRAIN * CELL)],
+        "normal": [
+            Prescribed(sides, 0),
+            *_both(low),
+            Prescribed(high, 0),
+            Prescribed(high, 1, STRAIN * CELL),
+        ],
         "shear": [Prescribed(sides, 1), *_both(low), Prescribed(high, 0, STRAIN * CELL), Prescribed(high, 1)],
         "in_plane": [Prescribed(left, 0), Prescribed(low, 1), Prescribed(right, 0, STRAIN * WIDTH)],
     }[problem.load]

@@ -57,7 +57,15 @@ def _profiles(problem: Laminate, runs: Mapping[str, Mapping[str, Strained]]) -> 
             exact = (np.array(problem.layers.young) / (1 - problem.layers.poisson**2) * STRAIN, strains)
         upper, lower = axes[:, column]
         for axis, values in ((upper, exact[0]), (lower, exact[1] / STRAIN)):
-            axis.stairs(values, edges, orientation="horizontal", baseline=None, color="#bbbbbb", linewidth=4.0, label="exact")
+            axis.stairs(
+                values,
+                edges,
+                orientation="horizontal",
+                baseline=None,
+                color="#bbbbbb",
+                linewidth=4.0,
+                label="exact",
+            )
             axis.set_ylim(0.0, 1.0)
         for name, loads in runs.items():
             run, style = loads[load], method_style(name) | {"label": name, "linewidth": 1.2, "markersize": 5}
