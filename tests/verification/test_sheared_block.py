@@ -46,7 +46,8 @@ def test_a_coarse_block_for_every_method():
     problem = ShearedBlock(contrast=2.0, cells=3)
     fem = fem_track(problem)
     rows = {m.name: measure(track(problem, m), fem) for m in (CPDI2(), EnrichedCPDI2())}
-    assert rows["enriched-cpdi2"]["jump"] < 0.01 < 0.2 < rows["cpdi2"]["jump"]
+    assert rows["enriched-cpdi2"]["jump"] < 0.01
+    assert rows["cpdi2"]["jump"] > 0.2
     assert rows["enriched-cpdi2"]["gap"] < 1e-9  # F by corners of quadrilaterals follows rates exactly
 
 

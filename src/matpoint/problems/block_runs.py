@@ -32,7 +32,7 @@ _SHAPE_TIMES = (SHEARED, TURNED)
 
 
 def tractions(stress: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """Return tractions (n, 2) across the second of two axes (2, 2), of stresses (n, 6)"""
+    """Return tractions (n, 2) across the second of two axes (2, 2), of stresses (n, 6)."""
     sigma = stress[:, [[0, 3], [3, 1]]]
     return np.einsum("nab,ia,b->ni", sigma, axes, axes[1])
 
