@@ -49,6 +49,7 @@ def _shapes(problem: ShearedBlock, tracks: Mapping[str, BlockTrack]) -> Any:
             drawn = PolyCollection(list(corners), array=stress / 1e3, edgecolor="#33333366", linewidth=0.3)
             drawn.set_clim(low, high)
             axis.add_collection(drawn)
+            axis.set_axisbelow(True)
             axis.set(aspect="equal", xlim=(-0.6, 1.6), ylim=(-0.6, 1.6))
         grid[0, column].set_title(name)
         grid[1, column].set_xlabel("x [m]")
