@@ -55,3 +55,20 @@ def aspect_ratios(vertices: Vertices) -> np.ndarray:
     """Return the longest over the shortest edge of each domain, shape (n,)."""
     shortest, longest = edge_lengths(vertices)
     return longest / shortest
+
+
+def warps(vertices: Vertices) -> np.ndarray:
+    """Return how far corners lie from an affine image of their initial domain, shape (n,).
+
+    The largest distance in each domain over its shortest edge. For quadrilaterals this is the
+    hourglass mode alone: their F by corners follows the diagonals, as F by rates does, so that the two agree
+    to round-off however far the corners drift.
+    """
+    R, G = vertices.initial_weights()[..., 0], vertices.initial_weights()[..., 1:]
+    inside = (np.arange(R.shape[1]) < vertices.count[:, None])[..., None]
+    x, X = vertices.position[vertices.connectivity], vertices.position0[vertices.connectivity]
+    x = x - np.einsum("nc,nca->na", R, x * inside)[:, None]
+    X = X - np.einsum("nc,nca->na", R, X * inside)[:, None]
+    F = np.einsum("nca,ncb->nab", x * inside, G)
+    gap = (x - np.einsum("nab,ncb->nca", F, X)) * inside
+    return np.sqrt((gap**2).sum(axis=2).max(axis=1)) / edge_lengths(vertices)[0]
