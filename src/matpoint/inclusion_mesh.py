@@ -70,9 +70,8 @@ def mesh_inclusion(dim: int, radii: Sequence[float], size: float, divisions: int
     faces = faces.reshape(surface.shape)
     rings, ends = _rings(p[skin], lengths, divisions)
     x = np.concatenate([_core(p, lengths[0]), *rings[1:]])
-    levels = np.concatenate(
-        [skin[None], len(p) + np.arange((len(rings) - 1) * len(skin)).reshape(-1, len(skin))]
-    )
+    drawn = len(p) + np.arange((len(rings) - 1) * len(skin)).reshape(-1, len(skin))
+    levels = np.concatenate([skin[None], drawn])
     inner, outer = levels[:-1, faces], levels[1:, faces]  # (layer, face, corner)
     if dim == 2:
         inner = inner[

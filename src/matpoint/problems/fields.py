@@ -78,7 +78,8 @@ def make_field(
     """Return the field of stresses (n, 6) [Pa] on domains with initial centroids (n, 3) [m]."""
     from matpoint.interpolation.enriched import interface_vertices  # noqa: PLC0415 (keeps imports light)
 
-    touching = interface_vertices(cells, body, len(vertices))[cells].any(axis=1)
+    on = interface_vertices(cells, body, len(vertices))
+    touching = np.asarray(on[cells].any(axis=1))
     return Field(stress, exact.stress(centres), vertices[cells], volume, body, touching)
 
 

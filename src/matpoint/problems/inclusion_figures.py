@@ -15,11 +15,7 @@ if TYPE_CHECKING:
     from matpoint.problems.embedded import Embedded
     from matpoint.problems.fields import Field
 
-_NORMS = {
-    "inside": "stress inside, rms",
-    "largest": "stress at the interface, largest",
-    "outside": "outside, rms",
-}
+_NORMS = {"inside": "inside, rms", "largest": "at the interface, largest", "outside": "outside, rms"}
 
 
 def write_embedded(problem: Embedded, fields: Mapping[str, Sequence[Field]], out: Path) -> list[Path]:
@@ -95,7 +91,9 @@ def _stress(problem: Embedded, finest: Mapping[str, Field]) -> Any:
         axis.set_aspect("equal")
         axis.set(title=name, xlabel="x [m]")
     axes[0].set_ylabel("y [m]")
-    figure.colorbar(drawn, ax=list(axes), label="von Mises stress [Pa]", shrink=0.85, extend="max")
+    figure.colorbar(
+        axes[-1].collections[0], ax=list(axes), label="von Mises stress [Pa]", shrink=0.85, extend="max"
+    )
     figure.suptitle(problem.title)
     return figure
 

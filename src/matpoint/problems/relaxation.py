@@ -1,4 +1,4 @@
-"""Dynamic relaxation: a boundary is moved slowly to where it shall be, and damping brings the rest to rest."""
+"""Dynamic relaxation: a boundary moves slowly to its place, and damping brings the body to rest."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Rest:
     share: float
 
 
-def settle(sim: Simulation, rise: float, pause: float, longest: float, share: float = 1e-8) -> Rest:
+def settle(sim: Simulation, rise: float, pause: float, longest: float, share: float = 1e-9) -> Rest:
     """Run through a ramp, and on until the kinetic energy is a small share of the stored one.
 
     FLIP alone leaves what particles do below the grid undamped; a hundredth of PIC takes it away.

@@ -78,7 +78,7 @@ class SphereInclusion(Embedded):
         return Sphere(RADIUS, self.youngs, (POISSON, POISSON), (STRAIN, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     def parts(self, divisions: int) -> list[Domains]:
-        """Return the domains of sphere and matrix; tetrahedra are those of the file, whatever the divisions."""
+        """Return the domains of sphere and matrix; tetrahedra are the file's, whatever the divisions."""
         if self.mesh == "hex":
             from matpoint.inclusion_mesh import mesh_inclusion  # noqa: PLC0415 (loaded when used)
 
