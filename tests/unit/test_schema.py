@@ -153,7 +153,11 @@ def test_the_schema_lists_what_editors_complete():
     rubber = next(law for law in laws if law["title"] == "neo-hookean")
     assert set(rubber["required"]) == {"law", "E", "nu", "density"}
     assert parts["InterpolationTable"]["properties"]["method"]["enum"] == list(METHODS)
-    assert parts["ProblemTable"]["properties"]["name"]["enum"] == ["bimaterial-bar"]
+    assert parts["ProblemTable"]["properties"]["name"]["enum"] == [
+        "bimaterial-bar",
+        "inclusion",
+        "sphere-inclusion",
+    ]
     assert "kinetic_energy" in parts["HistoryTable"]["properties"]["quantities"]["items"]["enum"]
     assert parts["GridTable"]["additionalProperties"] is False
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -57,8 +57,8 @@ class Embedded(Problem):
 
     @property
     @abstractmethod
-    def youngs(self) -> tuple[float, ...]:
-        """Young's modulus [Pa] of each material, from the inside."""
+    def moduli(self) -> dict[str, float]:
+        """Name of each body -> its Young's modulus [Pa], from the inside."""
 
     @property
     @abstractmethod
@@ -89,7 +89,8 @@ class Embedded(Problem):
 
         Cells of the grid are equal squares or cubes, 1.25 for each division along the plate's half-width,
         so two domains each at the interface. Where domains have no shared corners, the grid's nodes from
-        the far faces on are driven instead of the faces.
+        the far faces on are driven instead of the faces. Enrichment of interfaces takes at least the
+        problem's layers.
         """
         import matpoint as mp  # noqa: PLC0415 (keeps the import of a case light)
 
@@ -99,14 +100,14 @@ class Embedded(Problem):
         beyond = cell if interpolation.uses_vertices and not interpolation.shares_corners else 0.0
         stiff = (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON)) / SPEED**2
         bodies = [
-            mp.Body(part, mp.NeoHookean(E=young, nu=POISSON, density=stiff * young), name=f"{number}")
-            for number, (part, young) in enumerate(zip(self.parts(finest), self.youngs, strict=True))
+            mp.Body(part, mp.NeoHookean(E=young, nu=POISSON, density=stiff * young), name=name)
+            for part, (name, young) in zip(self.parts(finest), self.moduli.items(), strict=True)
         ]
         planes = [mp.Symmetry(mp.Plane(axis, 0.0, "lower")) for axis in "xyz"[: self.dim]]
         return mp.Simulation(
             mp.Grid((-beyond,) * self.dim, (SIZE + cell,) * self.dim, cell),
             bodies,
-            interpolation=interpolation,
+            interpolation=self.widened(interpolation),
             scheme=mp.USL(mp.FLIP(0.99)) if scheme is None else scheme,
             timestep=mp.CFL(0.8, every=1000) if timestep is None else timestep,
             boundaries=[*planes, self._driven(interpolation.shares_corners)],
@@ -121,12 +122,16 @@ class Embedded(Problem):
         where = mp.Surface("outer") if faces else Beyond(SIZE)
         return mp.PrescribedVelocity(where, Ramp(self.exact.displacement, RISE).velocities(self.dim))
 
-    def interpolation(self, method: str) -> Interpolation:
-        """Return a particle method as this problem runs it."""
-        from matpoint.interpolation import METHODS, EnrichedCPDI2  # noqa: PLC0415 (compiles)
+    def widened(self, interpolation: Interpolation) -> Interpolation:
+        """Return a method that enriches interfaces with the problem's layers and hourglass control."""
+        from matpoint.interpolation import EnrichedCPDI2  # noqa: PLC0415 (compiles)
 
-        return (
-            EnrichedCPDI2(self.layers, hourglass=HOURGLASS) if method == "enriched-cpdi2" else METHODS[method]
+        if not isinstance(interpolation, EnrichedCPDI2) or interpolation.where != "interfaces":
+            return interpolation
+        return replace(
+            interpolation,
+            layers=max(self.layers, interpolation.layers),
+            hourglass=interpolation.hourglass or HOURGLASS,
         )
 
     def at_rest(self, method: str, divisions: int, interpolation: Interpolation | None = None) -> Field:
@@ -141,9 +146,11 @@ class Embedded(Problem):
         interpolation
             Something else than the method's own choice.
         """
+        from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
+
         if method == "fem":
-            return elements(self.parts(divisions), self.youngs, POISSON, self.exact)
-        chosen = self.interpolation(method) if interpolation is None else interpolation
+            return elements(self.parts(divisions), list(self.moduli.values()), POISSON, self.exact)
+        chosen = METHODS[method] if interpolation is None else interpolation
         sim = self.simulation(chosen, divisions=divisions, threads=1 if self.dim == 2 else None)
         settle(sim, RISE, PASS, self.end)
         p, v = sim.particles, sim.vertices

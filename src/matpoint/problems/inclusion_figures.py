@@ -65,6 +65,8 @@ def _convergence(problem: Embedded, errors: Mapping[str, Sequence[dict[str, floa
                 sizes, 0.6 * low * (sizes / sizes[-1]) ** order,
                 color="#999999", linestyle=line, linewidth=0.9, label=f"order {order}",
             )  # fmt: skip
+        axis.set_xticks(sizes, [f"{size:.2g}" for size in sizes])
+        axis.set_xticks([], minor=True)
         axis.set(title=label, xlabel="size of a domain at the interface [m]")
     axes[0].set_ylabel("relative error")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False)

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from matpoint.reference.sphere import Sphere
 
 STRAIN = 1e-4  # far away, along x
-TET_DIVISIONS = 6  # what the edges of the mesh in the package correspond to
 
 
 @dataclass(frozen=True)
@@ -57,13 +56,13 @@ class SphereInclusion(Embedded):
         if self.mesh not in ("hex", "tet"):
             raise InputError(f'{self.name}: mesh = {self.mesh!r}; "hex" and "tet" are allowed')
         whole(f"{self.name}: layers", self.layers, 0)
-        if whole(f"{self.name}: divisions", self.divisions) > 40:
-            raise InputError(f"{self.name}: divisions = {self.divisions} must be from 1 to 40")
+        if whole(f"{self.name}: divisions", self.divisions) > 24:
+            raise InputError(f"{self.name}: divisions = {self.divisions} must be from 1 to 24")
 
     @property
-    def youngs(self) -> tuple[float, ...]:
+    def moduli(self) -> dict[str, float]:
         """Young's modulus [Pa] of sphere and matrix."""
-        return (1e7, 1e6)
+        return {"sphere": 1e7, "matrix": 1e6}
 
     @property
     def ladder(self) -> tuple[int, ...]:
@@ -75,7 +74,8 @@ class SphereInclusion(Embedded):
         """The reference solution."""
         from matpoint.reference.sphere import Sphere  # noqa: PLC0415 (loaded when used)
 
-        return Sphere(RADIUS, self.youngs, (POISSON, POISSON), (STRAIN, 0.0, 0.0, 0.0, 0.0, 0.0))
+        youngs = tuple(self.moduli.values())
+        return Sphere(RADIUS, youngs, (POISSON, POISSON), (STRAIN, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     def parts(self, divisions: int) -> list[Domains]:
         """Return the domains of sphere and matrix; tetrahedra are the file's, whatever the divisions."""
@@ -89,4 +89,4 @@ class SphereInclusion(Embedded):
 
         with resources.as_file(resources.files("matpoint.problems").joinpath("data/sphere.msh")) as path:
             read = read_mesh(path)
-        return [read.group(name)[0] for name in ("sphere", "matrix")]
+        return [read.group(name)[0] for name in self.moduli]
