@@ -1,4 +1,4 @@
-"""Stiff inclusions in a soft plate: enrichment against CPDI2 on one mesh, and the patch test across a circle."""
+"""Stiff inclusions in a soft plate: enrichment against CPDI2 on one mesh; the patch test on a circle."""
 
 from __future__ import annotations
 
@@ -92,13 +92,13 @@ def test_one_level_has_no_order():
 
 @pytest.mark.slow
 def test_the_sphere_in_hexahedra():
-    """Measured at 4 and 6 divisions: 1.5 and 0.75 % inside; finite elements 3.0 and 1.8, CPDI2 54 and 30 %."""
+    """Measured at 4 and 6 divisions: 1.8 and 1.0 % inside; finite elements 3.0 and 1.8, CPDI2 54 and 30."""
     sphere, levels = SphereInclusion(), (4, 6)
     assert order(sphere, "enriched-cpdi2", "inside", levels) >= 1.0
     for n in levels:
         plain, enriched = norms(sphere, "cpdi2", n), norms(sphere, "enriched-cpdi2", n)
         assert plain["largest"] > 1.5
-        assert enriched["largest"] < 0.05
+        assert enriched["largest"] < 0.07
         assert enriched["inside"] < 0.05 * plain["inside"]
         assert enriched["inside"] < norms(sphere, "fem", n)["inside"]
 
@@ -135,47 +135,70 @@ def test_refused(make, message):
 
 RATE = np.array([[0.3, -0.2, 0.1], [0.4, 0.1, -0.3], [-0.2, 0.25, -0.15]])
 SHIFT = np.array([0.5, -0.7, 0.2])
-STRESS = np.array([3.0, -1.0, 2.0, 0.7, -0.4, 0.9])
+CELL = 0.35
 
 
-def patch(dim, layers, velocity, driven):
-    """A coated disc or sphere of three equal materials, on a grid that takes no notice of it."""
-    moduli = {"E": 1.0, "nu": 0.3, "density": 1.0}
-    # Equal in every number, yet three materials: their interfaces are found, and enriched.
-    kinds = [mp.NeoHookean(**moduli), mp.Hencky(**moduli), mp.SaintVenantKirchhoff(**moduli)]
-    parts = mp.mesh_inclusion(dim, (1.0, 1.25), 2.0, 4 if dim == 2 else 3)
-    bodies = [mp.Body(part, kind, velocity=velocity) for part, kind in zip(parts, kinds, strict=True)]
-    flow = tuple(lambda x, t, k=k: velocity(x)[:, k] for k in range(dim))
-    return mp.Simulation(
-        mp.Grid((-0.7,) * dim, (2.8,) * dim, 0.35),
-        bodies,
-        interpolation=mp.EnrichedCPDI2(layers=layers),
-        timestep=mp.FixedStep(1e-3),
-        boundaries=[mp.PrescribedVelocity(mp.Corners(mp.HalfSpace((5.0,) * dim, (1.0,) * dim)), flow)] * driven,
-        threads=1,
-    )
+def patch(dim, layers):
+    """A coated disc or sphere of equal materials, all of whose degrees of freedom follow an affine flow.
 
-
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("layers", [0, 1])
-def test_an_affine_flow_across_curved_interfaces_is_exact(dim, layers):
-    """L is constant and the field stays what it is, to round-off, though an interface runs through cells.
-
-    Every vertex takes its velocity from the flow, interface or not; the particles follow.
+    The grid takes no notice of it. Moduli differ by one unit of the last place, so that interfaces are
+    found, and enriched.
     """
     active = np.arange(3) < dim
     rate, shift = RATE * np.outer(active, active), SHIFT * active
+    moduli = [np.nextafter(1.0, 2.0), 1.0, np.nextafter(1.0, 0.0)]
+    parts = mp.mesh_inclusion(dim, (1.0, 1.25), 2.0, 4 if dim == 2 else 3)
+    everything = mp.Box((-9.0,) * dim, (9.0,) * dim)
+    flow = tuple(lambda x, t, k=k: x @ rate[k] + shift[k] for k in range(dim))
+    sim = mp.Simulation(
+        mp.Grid((-2 * CELL,) * dim, (8 * CELL,) * dim, CELL),
+        [
+            mp.Body(
+                part,
+                mp.NeoHookean(E=float(young), nu=0.3, density=1.0),
+                velocity=lambda x: x @ rate.T + shift,
+            )
+            for part, young in zip(parts, moduli, strict=True)
+        ],
+        interpolation=mp.EnrichedCPDI2(layers=layers),
+        timestep=mp.FixedStep(0.02),
+        boundaries=[mp.PrescribedVelocity(everything, flow)],
+        threads=1,
+    )
+    return sim, rate, shift
 
-    def flow(x):
-        return x @ rate.T + shift
 
-    for driven in (0, 1):
-        sim = patch(dim, layers, flow, driven)
-        assert sim.vertices is not None
-        assert 0 < len(sim.vertices.enriched) < len(sim.vertices) or driven
-        x0, corners = sim.particles.position.copy(), sim.vertices.position.copy()
-        sim.advance(sim.dt)
-        p = sim.particles
-        np.testing.assert_allclose(p.velocity_gradient, np.tile(rate, (len(p), 1, 1)), atol=1e-12)
-        np.testing.assert_allclose(p.velocity, flow(x0), atol=1e-12)
-        np.testing.assert_allclose(sim.vertices.position, corners + sim.dt * flow(corners), atol=1e-14)
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("layers", [0, 1, 2])
+def test_the_affine_patch_across_curved_interfaces_is_exact(dim, layers):
+    """L, F and stress are uniform and vertices keep to the flow; then nothing pulls at what is inside."""
+    sim, rate, shift = patch(dim, layers)
+    vertices, p = sim.vertices, sim.particles
+    assert vertices is not None
+    assert 0 < len(vertices.enriched) < len(vertices)
+    assert len(sim.materials) == 3
+    corners = vertices.position.copy()
+    sim.advance(sim.dt)
+    n, F = len(p), np.eye(3) + sim.dt * rate
+    np.testing.assert_allclose(p.velocity_gradient, np.tile(rate, (n, 1, 1)), atol=1e-13)
+    np.testing.assert_allclose(p.deformation_gradient, np.tile(F, (n, 1, 1)), atol=1e-14)
+    np.testing.assert_allclose(vertices.position, corners @ F.T + sim.dt * shift, atol=1e-14)
+    np.testing.assert_allclose(p.position, p.position0 @ F.T + sim.dt * shift, atol=1e-14)
+    size = np.abs(p.stress).max()
+    assert size > 1e-3
+    np.testing.assert_allclose(p.stress, np.tile(p.stress[0], (n, 1)), atol=1e-13 * size)
+
+    for stage in (sim.engine.locate, sim.engine.clear, sim.engine.gather):
+        stage()
+    nodes = sim.engine.mapping.nodes
+    force = nodes.records[:, 4:7]
+    own = force[nodes.on_grid :]
+    x = corners[vertices.enriched][:, :dim]
+    inside = ((x > 1e-9) & (x < 2.0 - 1e-9)).all(axis=1)
+    assert inside.sum() >= 5 * (layers + 1)
+    pull = size * 0.2 ** (dim - 1)  # on one face of a domain
+    assert np.abs(own[inside]).max() < 1e-12 * pull
+    assert np.abs(own[~inside]).max() > 0.1 * pull
+    at = sim.engine.mapping.points()[: nodes.on_grid][:, :dim]
+    deep = ((at > 1.5 * CELL) & (at < 2.0 - 1.5 * CELL)).all(axis=1)
+    assert np.abs(force[: nodes.on_grid][deep]).max() < 1e-12 * pull

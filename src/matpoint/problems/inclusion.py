@@ -33,8 +33,9 @@ class InclusionProblem(Embedded):
     layers
         Layers of domains on both sides of an interface that are enriched besides its vertices. A grid
         node that ordinary vertices on both sides touch ties their strains together, so the enriched zone
-        must be as wide as a cell on both sides: 2 layers for cells of two domains. With 0 the error inside
-        is 13 to 18 % on every mesh, with 1 it stops falling at 0.5 %.
+        must be as wide as a cell on both sides: 2 layers for cells of two domains. With 0
+        the error inside is 18, 13 and 9 % on the three meshes and the largest stays at 30 %; with 1 they
+        are 2.7, 0.3 and 0.6 % inside, as the grid happens to lie. Hourglass control is on there.
     levels
         Meshes of 8, 16, 32, ... divisions.
 
