@@ -102,7 +102,7 @@ class Laminate(Problem):
     step: ClassVar[float] = 1.5e-4
 
     def __post_init__(self) -> None:
-        if self.load not in COMPONENTS:
+        if self.load not in tuple(COMPONENTS):
             raise InputError(f"{self.name}: load = {self.load!r}; {', '.join(COMPONENTS)} are allowed")
         positive(f"{self.name}: contrast", self.contrast)
         if not 0 <= number(f"{self.name}: offset", self.offset) < 1:
