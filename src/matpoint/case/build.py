@@ -71,7 +71,7 @@ def make_problem(table: ProblemTable) -> Problem:
     for key in parameters:
         if key not in allowed:
             raise InputError(
-                f"problem.{key}: unknown key{did_you_mean(key, allowed)}; allowed are {', '.join(allowed)}"
+                f"problem.{key if key.isprintable() else repr(key)}: unknown key{did_you_mean(key, allowed)}; allowed are {', '.join(allowed)}"
             )
     return kind(**parameters)
 
