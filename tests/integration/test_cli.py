@@ -97,7 +97,14 @@ def test_bundled_cases_begin_well(name, tmp_path):
 
 def test_list_names_everything(tmp_path):
     shown = matpoint("list", cwd=tmp_path).stdout
-    for name in ("bimaterial-bar", "two-discs", "cantilever", "vertical-bar", "sphere-inclusion", "bspline3"):
+    for name in (
+        "bimaterial-bar",
+        "two-discs",
+        "cantilever",
+        "sphere-inclusion",
+        "enriched-cpdi2",
+        "bspline3",
+    ):
         assert name in shown
     for name in (
         "neo-hookean",
