@@ -101,6 +101,8 @@ def test_list_names_everything(tmp_path):
         "bimaterial-bar",
         "two-discs",
         "cantilever",
+        "vertical-bar",
+        "inclusion",
         "sphere-inclusion",
         "enriched-cpdi2",
         "bspline3",
