@@ -260,6 +260,11 @@ def outcome(function):
     return "works"
 
 
+def test_a_key_that_breaks_the_line_is_shown_on_one():
+    for content in ({"\n": 1}, {"time": {"a\nb": 1}}):
+        assert "\n" not in outcome(lambda content=content: check(content, "case"))
+
+
 @settings(max_examples=400)
 @given(content=damaged([SMALL, *bundled_cases().values()]))
 def test_a_damaged_case_works_or_is_refused(content, tmp_path_factory):
