@@ -75,6 +75,9 @@ def _profiles(problem: Laminate, runs: Mapping[str, Mapping[str, Strained]]) -> 
             lower.plot(np.bincount(row, run.strain) / count / STRAIN, heights, **style)
         upper.set(title=_TITLES[load], xlabel="stress [Pa]")
         lower.set(xlabel="strain over mean strain")
+        low, high = lower.get_xlim()
+        if high - low < 1e-3:  # uniform: round-off must not fill the panel
+            lower.set_xlim(0.9, 1.1)
     for axis in axes[:, 0]:
         axis.set_ylabel("height over thickness")
     figure.suptitle(f"Ten layers in one cell, stiffness 1:{problem.contrast:g}", fontsize=12)
