@@ -138,6 +138,8 @@ def draw_convergence(found: Mapping[str, list[Mapping[str, float]]], title: str)
         for name, entries in found.items():
             sizes = [(OUTER - INNER) / entry["layers"] for entry in entries]
             axis.loglog(sizes, [entry[norm] for entry in entries], label=name, **method_style(name))
+        axis.set_xticks(sizes, [f"{size:g}" for size in sizes])
+        axis.minorticks_off()
         axis.set(title=norm, xlabel="domain [m]")
     figure.suptitle(title, fontsize=12)
     handles = axes[0].get_legend_handles_labels()
