@@ -27,6 +27,7 @@ _PUBLIC: dict[str, tuple[str, ...]] = {
     ),
     "domains": ("Domains", "Kind"),
     "meshes": ("domains_from_arrays", "extrude", "mapped", "mesh_annulus", "mesh_box"),
+    "inclusion_mesh": ("mesh_inclusion",),
     "meshfile": ("Mesh", "read_mesh"),
     "fill": ("fill",),
     "body": ("Body",),

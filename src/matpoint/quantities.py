@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from matpoint.ledger import take_entry
-from matpoint.quality import aspect_ratios, corner_jacobians
+from matpoint.quality import aspect_ratios, corner_jacobians, warps
 
 if TYPE_CHECKING:
     from matpoint.simulation import Simulation
@@ -62,6 +62,10 @@ def _largest_aspect_ratio(sim: Simulation) -> float:
     return 1.0 if sim.vertices is None else float(aspect_ratios(sim.vertices).max())
 
 
+def _largest_warp(sim: Simulation) -> float:
+    return 0.0 if sim.vertices is None else float(warps(sim.vertices).max())
+
+
 def domain_gaps(sim: Simulation) -> np.ndarray:
     """Return |F by corner positions - F by rates| of each domain, in the particles' order, shape (n,)."""
     assert sim.vertices is not None
@@ -91,8 +95,11 @@ QUANTITIES: dict[str, Quantity] = {
         for k, axis in enumerate("xyz")
     },
     "smallest_volume_ratio": Quantity(_smallest_volume_ratio, "-", "smallest V / V0 of all particles"),
-    "domain_gap": Quantity(
-        _domain_gap, "-", "largest |F by corner positions - F by rates|: hourglassing of CPDI2 domains"
+    "domain_gap": Quantity(_domain_gap, "-", "largest |F by corner positions - F by rates| of CPDI2 domains"),
+    "largest_warp": Quantity(
+        _largest_warp,
+        "-",
+        "largest distance of a corner from its domain's affine image, over an edge: hourglassing",
     ),
     "smallest_corner_jacobian": Quantity(
         _smallest_corner_jacobian, "-", "smallest corner Jacobian over the domain's mean; 0 turns over"

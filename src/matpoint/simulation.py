@@ -181,7 +181,7 @@ class Simulation:
         yield from zip(self.engine.groups, self.materials, strict=True)
 
     def vertex_spacing(self) -> np.ndarray:
-        """Return the shortest edge [m] of each domain with an enriched vertex, inf for others."""
+        """Return the height [m] of each domain with an enriched vertex, inf for others, shape (n,)."""
         return self.engine.mapping.spacing()
 
     def quantity(self, name: str) -> float:

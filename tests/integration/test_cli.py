@@ -88,7 +88,7 @@ def test_bundled_case_and_override_of_a_problem(tmp_path):
     assert "E=5000000.0" in summary["materials"][1]
 
 
-@pytest.mark.parametrize("name", ["two-discs", "cantilever", "vertical-bar"])
+@pytest.mark.parametrize("name", ["two-discs", "cantilever", "vertical-bar", "inclusion", "sphere-inclusion"])
 def test_bundled_cases_begin_well(name, tmp_path):
     matpoint("run", name, "--set", "time.end=0.02", "--set", "output.figures=[]", cwd=tmp_path)
     summary = json.loads((tmp_path / "results" / name / "summary.json").read_text())
@@ -99,7 +99,16 @@ def test_bundled_cases_begin_well(name, tmp_path):
 
 def test_list_names_everything(tmp_path):
     shown = matpoint("list", cwd=tmp_path).stdout
-    for name in ("bimaterial-bar", "two-discs", "cantilever", "vertical-bar", "enriched-cpdi2", "bspline3"):
+    for name in (
+        "bimaterial-bar",
+        "two-discs",
+        "cantilever",
+        "vertical-bar",
+        "inclusion",
+        "sphere-inclusion",
+        "enriched-cpdi2",
+        "bspline3",
+    ):
         assert name in shown
     for name in (
         "neo-hookean",

@@ -16,6 +16,7 @@ from matpoint.case.schema import ProblemTable
 from matpoint.errors import InputError
 from matpoint.interpolation import METHODS
 from matpoint.materials import MATERIALS, NeoHookean
+from matpoint.problems import PROBLEMS
 
 
 @pytest.fixture
@@ -58,7 +59,7 @@ def refused(case, *changes):
         ("grid.cell=1e-4", "this machine has"),
         ("interpolation.stretch=U", "interpolation.stretch: cpdi2 has no such option"),
         ("damping={kind='mass', factor=1.0}", "kind = 'mass' takes rate"),
-        ("boundaries.0.region={shape='ball', centre=[0.0], radius=1.0}", "either plane or region"),
+        ("boundaries.0.region={shape='ball', centre=[0.0], radius=1.0}", "give one of plane, region"),
         ("boundaries.0.velocity=[1.0]", "only kind = 'velocity' has one"),
         ("boundaries.0.normal=[1.0]", "only kind = 'roller' has one"),
         ("boundaries.0.kind=velocity", "needs velocity"),
@@ -195,7 +196,7 @@ def test_the_schema_lists_what_editors_complete():
     rubber = next(law for law in laws if law["title"] == "neo-hookean")
     assert set(rubber["required"]) == {"law", "E", "nu", "density"}
     assert parts["InterpolationTable"]["properties"]["method"]["enum"] == list(METHODS)
-    assert parts["ProblemTable"]["properties"]["name"]["enum"] == ["bimaterial-bar"]
+    assert parts["ProblemTable"]["properties"]["name"]["enum"] == list(PROBLEMS)
     assert "kinetic_energy" in parts["HistoryTable"]["properties"]["quantities"]["items"]["enum"]
     assert parts["GridTable"]["additionalProperties"] is False
 
@@ -257,6 +258,11 @@ def outcome(function):
     except InputError as error:
         return str(error).rstrip()
     return "works"
+
+
+def test_a_key_that_breaks_the_line_is_shown_on_one():
+    for content in ({"\n": 1}, {"time": {"a\nb": 1}}):
+        assert "\n" not in outcome(lambda content=content: check(content, "case"))
 
 
 @settings(max_examples=400)

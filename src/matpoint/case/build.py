@@ -56,8 +56,9 @@ def make_problem(table: ProblemTable) -> Problem:
     parameters = dict(table.model_extra or {})
     for key in parameters:
         if key not in allowed:
+            shown = key if key.isprintable() else repr(key)
             raise InputError(
-                f"problem.{key}: unknown key{did_you_mean(key, allowed)}; allowed are {', '.join(allowed)}"
+                f"problem.{shown}: unknown key{did_you_mean(key, allowed)}; allowed are {', '.join(allowed)}"
             )
     return kind(**parameters)
 

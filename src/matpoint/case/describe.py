@@ -140,7 +140,8 @@ def _place(location: tuple[int | str, ...], content: Any) -> str:
             here = here[step]
         except (KeyError, IndexError, TypeError):
             continue
-        steps.append(str(step))
+        text = str(step)
+        steps.append(text if text.isprintable() else repr(text))  # a message has one line
     return ".".join(steps)
 
 

@@ -167,7 +167,7 @@ class Mapping(ABC):
         return 0.0
 
     def spacing(self) -> np.ndarray:
-        """Return the shortest edge [m] of each domain with an enriched vertex, inf for others, (n,).
+        """Return the height [m] of each domain with an enriched vertex, inf for others, (n,).
 
         Shape (1,) if no domain has one.
         """

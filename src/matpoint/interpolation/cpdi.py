@@ -14,7 +14,7 @@ from matpoint.interpolation.hourglass import HourglassControl
 from matpoint.interpolation.vertex import VertexMapping
 from matpoint.kernels.corners import SIGNS, corner_weights, parallelepipeds
 from matpoint.kernels.vertex import move_vertices
-from matpoint.quality import edge_lengths
+from matpoint.quality import altitudes
 from matpoint.vertices import Vertices
 
 KIND_OF_DIM = (0, 1, 2)  # line, quadrilateral, hexahedron
@@ -182,7 +182,7 @@ class ConvectedVertices(VertexMapping):
             return super().spacing()
         used = np.arange(v.connectivity.shape[1]) < v.count[:, None]
         touches = (v.is_enriched[v.connectivity] & used).any(axis=1)
-        return np.where(touches, edge_lengths(v)[0], np.inf)
+        return np.where(touches, altitudes(v), np.inf)
 
 
 @dataclass(frozen=True)

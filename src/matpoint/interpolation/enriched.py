@@ -12,6 +12,8 @@ from matpoint.interpolation.contract import Interpolation, Mapping, Setting
 from matpoint.interpolation.cpdi import ConvectedVertices, check_policy
 from matpoint.regions import Region
 
+STRONGEST = 0.5  # hourglass control that is stable at the step's limit, measured
+
 
 def interface_vertices(connectivity: np.ndarray, material: np.ndarray, count: int) -> np.ndarray:
     """Flag the vertices shared by particles of different materials, shape (count,).
@@ -67,13 +69,24 @@ class EnrichedCPDI2(Interpolation):
         As for :class:`~matpoint.interpolation.cpdi.CPDI2`.
     hourglass
         Strength of hourglass control in domains all of whose corners are enriched; see
-        :class:`~matpoint.interpolation.hourglass.HourglassControl`. 0 leaves it out.
+        :class:`~matpoint.interpolation.hourglass.HourglassControl`. 0 leaves it out: interfaces alone
+        (``layers = 0``) need none. Take 0.3 for thick zones that bend.
 
     Raises
     ------
     InputError
         If ``layers`` is not a whole number >= 0, ``where`` is none of the three, or ``hourglass`` is not
-        from 0 to 1.
+        from 0 to 0.5.
+
+    Notes
+    -----
+    Measured with ``where="all"`` on a cantilever of 4 x 1 m that its weight bends by nearly its length:
+    8 domains across turn over at the clamp with a strength below 0.1; the smallest corner Jacobian is
+    0.33, 0.62, 0.65, 0.66 with 0.1, 0.2, 0.3, 0.43. Four domains across, bent by half its length: the tip's
+    error against a mesh four times finer is 5.0, 3.0, 1.4, 1.3, 3.5 % with 0, 0.1, 0.2, 0.3, 0.43, and 3.5 %
+    by fully integrated finite elements on the same mesh; 1 is 13 % off, too stiff.
+
+    At the limit of the step squares are stable up to 0.6, cubes up to 0.5 at nine tenths of it.
     """
 
     layers: int = 0
@@ -92,8 +105,8 @@ class EnrichedCPDI2(Interpolation):
                 f'EnrichedCPDI2: where = {self.where!r}; "interfaces", "all" and a region are allowed'
             )
         number = isinstance(self.hourglass, int | float) and not isinstance(self.hourglass, bool)
-        if not (number and 0 <= self.hourglass <= 1):
-            raise InputError(f"EnrichedCPDI2: hourglass = {self.hourglass!r} must be from 0 to 1")
+        if not (number and 0 <= self.hourglass <= STRONGEST):
+            raise InputError(f"EnrichedCPDI2: hourglass = {self.hourglass!r} must be from 0 to {STRONGEST}")
         check_policy("EnrichedCPDI2", self.on_inversion)
 
     @property

@@ -13,7 +13,7 @@ from matpoint.errors import InputError
 # The list of files that runs created in a folder. Only these may be removed, and only with these endings.
 _LIST = ".matpoint-files"
 _HEAD = "# Files that matpoint wrote here; --force removes these and no others."
-_SUFFIXES = (".vtkhdf", ".csv", ".json", ".png", ".h5", ".md")
+_ENDINGS = (".vtkhdf", ".csv", ".json", ".png", ".h5", "table.md")
 _LONGEST = 10_000_000  # bytes of a list
 
 
@@ -88,7 +88,7 @@ def _listed(folder: Path) -> list[str]:
     except (OSError, ValueError):
         return []
     plain = [n for n in names if n == os.path.basename(n) and "\\" not in n and "\0" not in n]
-    return [n for n in plain if n.endswith(_SUFFIXES)] if head == _HEAD else []
+    return [n for n in plain if n.endswith(_ENDINGS)] if head == _HEAD else []
 
 
 def claim(path: Path) -> Path:

@@ -5,8 +5,25 @@ from __future__ import annotations
 from matpoint.problem import Problem
 from matpoint.problems.bimaterial_bar import BimaterialBar
 from matpoint.problems.bimaterial_ring import BimaterialRing
+from matpoint.problems.inclusion import InclusionProblem
+from matpoint.problems.laminate import Laminate
+from matpoint.problems.sheared_block import ShearedBlock
+from matpoint.problems.sphere_inclusion import SphereInclusion
 
 #: Name, as on the command line -> the class.
-PROBLEMS: dict[str, type[Problem]] = {problem.name: problem for problem in (BimaterialBar, BimaterialRing)}
+PROBLEMS: dict[str, type[Problem]] = {
+    problem.name: problem
+    for problem in (
+        BimaterialBar, BimaterialRing, InclusionProblem, Laminate, ShearedBlock, SphereInclusion,
+    )
+}  # fmt: skip
 
-__all__ = ["PROBLEMS", "BimaterialBar", "BimaterialRing"]
+__all__ = [
+    "PROBLEMS",
+    "BimaterialBar",
+    "BimaterialRing",
+    "InclusionProblem",
+    "Laminate",
+    "ShearedBlock",
+    "SphereInclusion",
+]

@@ -28,6 +28,8 @@ class SolidHistory:
         Cauchy stress of the cells asked for [Pa], mean over the current volume: xx, yy, zz, xy, yz, xz.
     kinetic, strain : ndarray, shape (t,)
         Energies of the whole solid [J]; velocities run half a step ahead of displacements.
+    work : ndarray, shape (t,)
+        Of what holds and drives the prescribed components, since the start [J].
     """
 
     times: np.ndarray
@@ -35,6 +37,7 @@ class SolidHistory:
     stress: np.ndarray
     kinetic: np.ndarray
     strain: np.ndarray
+    work: np.ndarray
 
 
 def run_explicit(
@@ -93,16 +96,19 @@ def run_explicit(
     v = u.copy() if velocity is None else nodal_values("velocity", velocity, solid).copy()
     table.put(v, 0.0)
     internal, _ = solid.forces(u)
-    rows = []
+    rows, work = [], 0.0
 
     def sample(time: float) -> None:
         kinetic = 0.5 * float((solid.mass * v * v).sum())
-        rows.append((time, u.T[nodes], solid.stress(u)[cells], kinetic, solid.strain_energy(u)))
+        rows.append((time, u.T[nodes], solid.stress(u)[cells], kinetic, solid.strain_energy(u), work))
 
     sample(0.0)
     for n in range(1, steps + 1):
+        before = v.copy()
         v += (step / solid.mass) * (force((n - 1) * step, u) - internal) - (step * damping) * v
+        free = v.copy()
         table.put(v, n * step)
+        work += 0.5 * float((solid.mass * (v - free) * (v + before)).sum())
         u += step * v
         internal, J = solid.forces(u)
         if not J.min() > 0:
@@ -110,8 +116,7 @@ def run_explicit(
             raise RunError(f"finite-element cell {cell} turned over", step=n, time=n * step)
         if n % every == 0:
             sample(n * step)
-    times, displacement, stress, kinetic, strain = (np.array(column) for column in zip(*rows, strict=True))
-    return SolidHistory(times, displacement, stress, kinetic, strain)
+    return SolidHistory(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
 class _Load:
