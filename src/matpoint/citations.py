@@ -112,6 +112,25 @@ CITATIONS: dict[str, str] = {
   year = {2007},
   doi = {10.3970/cmes.2007.019.223},
 }""",
+    "wallstedt2011": """\
+@article{wallstedt2011,
+  author = {Wallstedt, Philip C. and Guilkey, James E.},
+  title = {A weighted least squares particle-in-cell method for solid mechanics},
+  journal = {International Journal for Numerical Methods in Engineering},
+  volume = {85},
+  number = {13},
+  pages = {1687--1704},
+  year = {2011},
+  doi = {10.1002/nme.3041},
+}""",
+    "tran2019": """\
+@inproceedings{tran2019,
+  author = {Tran, Quoc-Anh and Berzins, Martin and So{\\l}owski, Wojciech T.},
+  title = {An improved moving least squares method for the Material Point Method},
+  booktitle = {Proceedings of the 2nd International Conference on the Material Point Method for
+    Modelling Soil-Water-Structure Interaction (MPM 2019)},
+  year = {2019},
+}""",
     "steffen2008": """\
 @article{steffen2008,
   author = {Steffen, Michael and Kirby, Robert M. and Berzins, Martin},
@@ -182,7 +201,7 @@ CITATIONS: dict[str, str] = {
   doi = {10.1007/s00466-019-01670-9},
 }""",
     "tran2019": r"""@inproceedings{tran2019,
-  author = {Tran, Quoc-Anh and Berzins, Martin and So{\l}owski, Wojciech T.},
+  author = {Tran, Quoc-Anh and Berzins, Martin and So{\\l}owski, Wojciech T.},
   title = {An improved moving least squares method for the material point method},
   booktitle = {Proceedings of the 2nd International Conference on the Material Point Method for
     Modelling Soil-Water-Structure Interaction (MPM 2019)},

@@ -72,7 +72,12 @@ def refuse_combinations(
     if dim not in interpolation.dimensions:
         allowed = ", ".join(f"{d}-D" for d in interpolation.dimensions)
         raise InputError(f"{name} serves {allowed}; the grid is {dim}-D")
-    if isinstance(scheme.transfer, APIC) and interpolation.uses_vertices:
+    if interpolation.default_scheme not in (scheme.name, "usl"):
+        raise InputError(
+            f"{name}: reproject = true is the order of stages of {interpolation.default_scheme}; leave the"
+            " scheme out, or set reproject = false"
+        )
+    if isinstance(scheme.transfer, APIC) and not interpolation.affine:
         raise InputError(
             f"{name} with APIC: an affine velocity needs a point with a block of nodes;"
             " use FLIP or PIC, or a box-family interpolation (mpm, ugimp, cpgimp, bspline2, bspline3)"

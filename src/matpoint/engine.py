@@ -15,7 +15,7 @@ from matpoint.boundary import Constraints
 from matpoint.errors import NotFiniteError, RunError
 from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
-from matpoint.interpolation.contract import Mapping, ParticleError
+from matpoint.interpolation.contract import Held, Mapping, ParticleError
 from matpoint.kernels.ledger import book_loads
 from matpoint.kernels.nodes import constrain, solve
 from matpoint.loads import Damping, Loads
@@ -182,7 +182,22 @@ class Engine:
         assert isinstance(self.mapping, BoxMapping)  # refused for others when the run was set up
         return self.mapping
 
+    def _solve_consistent(self, dt: float) -> None:
+        """Solve with the conditions inside; the stage of conditions then finds nothing left to do."""
+        c = self.constraints
+        before, after = c.velocities(self.time), c.velocities(self.time + dt)
+        held = Held(c.index, c.normal, before, after)
+        push = self.mapping.solve(dt, self.damping.rate, self.damping.factor, held)
+        if dt > 0.0:
+            vectors = push[:, None] * c.normal
+            self.external[:3] += vectors.sum(axis=0)
+            self.external[3] += float((push * 0.5 * (before + after)).sum())
+            self.external[4:] += np.cross(c.points, vectors).sum(axis=0)
+
     def _solve(self, dt: float) -> None:
+        if self.mapping.consistent:
+            self._solve_consistent(dt)
+            return
         nodes, damping = self.mapping.nodes.records, self.damping
         self.team.split(len(nodes), lambda a, b: solve(nodes, a, b, dt, damping.rate, damping.factor))
 

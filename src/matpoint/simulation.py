@@ -27,7 +27,7 @@ from matpoint.particles import Particles
 from matpoint.places import Corners, Surface
 from matpoint.quantities import QUANTITIES
 from matpoint.run import Observer, run_steps
-from matpoint.scheme import APIC, USL, Scheme
+from matpoint.scheme import APIC, SCHEMES, Scheme
 from matpoint.setup import cell_order, make_setting
 from matpoint.start import check_start
 from matpoint.threads import Team
@@ -52,7 +52,7 @@ class Simulation:
     timestep
         ``FixedStep(dt)`` or ``CFL(fraction)``.
     scheme
-        ``USL``, ``USF`` or ``MUSL`` with a transfer.
+        ``USL``, ``USF`` or ``MUSL`` with a transfer; None takes the interpolation's own, mostly USL.
     boundaries, loads, damping
         Conditions on the nodes, gravity and body forces, damping.
     threads
@@ -85,7 +85,7 @@ class Simulation:
     ) -> None:
         check_arguments(grid, bodies, interpolation, timestep, scheme, boundaries, loads, damping)
         self.grid, self.bodies, self.interpolation = grid, tuple(bodies), interpolation
-        self.scheme = USL() if scheme is None else scheme
+        self.scheme = SCHEMES[interpolation.default_scheme]() if scheme is None else scheme
         self.timestep, self.boundaries, self.loads = timestep, tuple(boundaries), tuple(loads)
         for name, value in (("sort_every", sort_every), ("sample_every", sample_every)):
             whole(f"simulation: {name}", value)

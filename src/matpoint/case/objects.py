@@ -30,7 +30,7 @@ from matpoint.case.shapes import (
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError, did_you_mean
 from matpoint.expressions import vector_field
-from matpoint.interpolation import METHODS, Interpolation
+from matpoint.interpolation import METHODS, BSpline, Interpolation, Linear
 from matpoint.materials import MATERIALS, Material, material_from
 from matpoint.meshes import domains_from_arrays, extrude, mesh_annulus, mesh_box
 from matpoint.regions import Annulus, Ball, Box, HalfSpace, Polygon, Region
@@ -119,7 +119,9 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
     choice = METHODS[table.method]
     given = ((name, getattr(table, name)) for name in type(table).model_fields if name != "method")
     options: dict[str, Any] = {name: value for name, value in given if value is not None}
-    allowed = [f.name for f in dataclasses.fields(choice) if f.name != "degree"]
+    # The degree of plain B-splines is in the method's name.
+    fixed = {"degree"} if isinstance(choice, BSpline) else set()
+    allowed = [f.name for f in dataclasses.fields(choice) if f.name not in fixed]
     for key in options:
         if key not in allowed:
             raise InputError(
@@ -129,17 +131,22 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
     with naming("interpolation"):
         if not isinstance(options.get("where", ""), str):
             options["where"] = make_region(options["where"])
+        if "basis" in options:
+            options["basis"] = _BASES[options["basis"]]
         return dataclasses.replace(choice, **options)
 
 
-def make_scheme(table: SchemeTable) -> Scheme:
-    """Return the scheme of a table."""
+_BASES = {"linear": Linear(), "bspline2": BSpline(2), "bspline3": BSpline(3)}
+
+
+def make_scheme(table: SchemeTable, interpolation: Interpolation) -> Scheme:
+    """Return the scheme of a table; without an order, that of the interpolation."""
     if table.blend is not None and table.transfer != "flip":
         raise InputError(f"scheme.blend: {table.transfer} has no blend; it belongs to flip")
     blend = 1.0 if table.blend is None else table.blend
     with naming("scheme.blend"):
         transfers = {"flip": FLIP(blend), "pic": PIC(), "apic": APIC()}
-    return SCHEMES[table.order](transfers[table.transfer])
+    return SCHEMES[table.order or interpolation.default_scheme](transfers[table.transfer])
 
 
 def make_timestep(table: TimeTable) -> TimeStep:

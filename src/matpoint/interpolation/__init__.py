@@ -8,6 +8,7 @@ from matpoint.interpolation.cpdi import CPDI1, CPDI2
 from matpoint.interpolation.enriched import EnrichedCPDI2
 from matpoint.interpolation.gimp import CPGIMP, UGIMP
 from matpoint.interpolation.linear import Linear
+from matpoint.interpolation.reconstruction import IMLS, MLS, SplineIMLS
 
 #: Method name -> the interpolation with its default parameters.
 METHODS: dict[str, Interpolation] = {
@@ -21,6 +22,9 @@ METHODS: dict[str, Interpolation] = {
         CPDI1(),
         CPDI2(),
         EnrichedCPDI2(),
+        MLS(),
+        IMLS(),
+        SplineIMLS(),
     )
 }
 
@@ -28,10 +32,13 @@ __all__ = [
     "CPDI1",
     "CPDI2",
     "CPGIMP",
+    "IMLS",
     "METHODS",
+    "MLS",
     "UGIMP",
     "BSpline",
     "EnrichedCPDI2",
     "Interpolation",
     "Linear",
+    "SplineIMLS",
 ]

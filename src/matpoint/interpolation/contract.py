@@ -101,6 +101,25 @@ class Setting:
         return found
 
 
+@dataclass(frozen=True, eq=False)
+class Held:
+    """Conditions as a solve takes them; directions of one node are orthonormal.
+
+    Attributes
+    ----------
+    index : ndarray of int64, shape (c,)
+        Node records.
+    normal : ndarray, shape (c, 3)
+    before, after : ndarray, shape (c,)
+        Velocities [m/s] along them at both ends of the step.
+    """
+
+    index: np.ndarray
+    normal: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+
+
 class Mapping(ABC):
     """An interpolation bound to a grid and particles: transfers both ways.
 
@@ -109,6 +128,7 @@ class Mapping(ABC):
     """
 
     nodes: Nodes
+    consistent: ClassVar[bool] = False  # True: the mass couples the nodes, and ``solve`` takes the conditions
 
     @property
     def vertices(self) -> Vertices | None:
@@ -145,6 +165,10 @@ class Mapping(ABC):
     @abstractmethod
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take up what ``state`` gave; the particles have been restored already."""
+
+    def solve(self, dt: float, rate: float, factor: float, held: Held) -> np.ndarray:
+        """Solve with a mass that couples the nodes; return the impulses [N s] along the held directions."""
+        raise TypeError("only a mapping with a consistent mass solves by itself")
 
     def points(self) -> np.ndarray:
         """Return the current positions [m] of all degrees of freedom, shape (records, 3)."""
@@ -189,6 +213,10 @@ class Interpolation(ABC):
     walls_only
         True if the field at a plane inside the grid is not one layer of nodes (B-splines):
         conditions on planes must then lie on the grid's faces.
+    default_scheme
+        Name of the scheme for a run that gives none.
+    affine
+        True if APIC's affine velocity can go with it.
     citation
         Keys of ``matpoint.citations``.
     """
@@ -198,6 +226,16 @@ class Interpolation(ABC):
     shares_corners: ClassVar[bool] = False
     walls_only: ClassVar[bool] = False
     citation: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def default_scheme(self) -> str:
+        """Name of the scheme for a run that gives none."""
+        return "usl"
+
+    @property
+    def affine(self) -> bool:
+        """Whether APIC's affine velocity can go with it."""
+        return not self.uses_vertices
 
     @property
     @abstractmethod

@@ -12,11 +12,15 @@ from matpoint.checks import instance, number, positive, whole
 from matpoint.errors import InputError
 from matpoint.interpolation.box import BoxInterpolation
 from matpoint.interpolation.bspline import BSpline
+from matpoint.interpolation.consistent import ConsistentMapping
 from matpoint.interpolation.contract import Interpolation, Mapping, Setting
 from matpoint.interpolation.linear import Linear
-from matpoint.interpolation.reconstructed import Plan, ReconstructedMapping
+from matpoint.interpolation.quadrature import Solver
+from matpoint.interpolation.reconstructed import ReconstructedMapping
+from matpoint.kernels.reconstruct import MODES
 
 _HIGHEST = 3
+_HATS = Linear()
 
 
 def monomials(dim: int, degree: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -40,14 +44,12 @@ def monomials(dim: int, degree: int) -> tuple[np.ndarray, np.ndarray, np.ndarray
 class _Reconstruction(Interpolation):
     """What MLS and IMLS share."""
 
-    basis: BoxInterpolation = Linear()
+    basis: BoxInterpolation = _HATS
     degree: int = 2
     velocity_degree: int = 1
     points: int = 2
     support: float = 1.5
     reproject: bool = False
-    walls_only: ClassVar[bool] = True
-    conserves: ClassVar[bool] = False
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "wallstedt2011", "tran2019")
 
     def __post_init__(self) -> None:
@@ -63,13 +65,20 @@ class _Reconstruction(Interpolation):
         if not isinstance(self.reproject, bool):
             raise InputError(f"{what}: reproject = {self.reproject!r} must be true or false")
 
-    def _plan(self, dim: int) -> Plan:
+    def _solver(self) -> Solver:
         raise TypeError("a subclass says how it solves")
 
     def bind(self, setting: Setting) -> Mapping:
         grid = setting.grid
         axes = [self.basis.axis(grid, k) for k in range(grid.dim)]
-        return ReconstructedMapping(setting, axes, self._plan(grid.dim))
+        fields, velocities = monomials(grid.dim, self.degree), monomials(grid.dim, self.velocity_degree)
+        return ReconstructedMapping(
+            setting, axes, self._solver(), fields, velocities, self.support, self.points
+        )
+
+    @property
+    def affine(self) -> bool:
+        return False
 
     @property
     def default_scheme(self) -> str:
@@ -97,8 +106,8 @@ class IMLS(_Reconstruction):
         Radius of the fields' weight, a quadratic spline, in cells (T 27 with the authors' code).
     reproject
         Map the updated velocities to the nodes once more before their gradient is taken (T 36): the MUSL
-        order of stages. The printed method does, the authors' code does not; it costs the second order on fine
-        grids.
+        order of stages. The printed method does, the authors' code does not; it costs the second order on
+        fine grids.
     tolerance
         A column is dropped when its orthogonal part squared is below this share of itself.
     """
@@ -114,8 +123,58 @@ class IMLS(_Reconstruction):
     def name(self) -> str:
         return "imls"
 
-    def _plan(self, dim: int) -> Plan:
-        return Plan.make(self, dim, "imls", self.tolerance, np.inf)
+    def _solver(self) -> Solver:
+        return Solver(MODES["imls"], self.tolerance, np.inf)
+
+
+@dataclass(frozen=True)
+class SplineIMLS(Interpolation):
+    """A scheme of third order in space while particles cross cells.
+
+    Quadratic B-splines as test functions; density, stress, body force and velocity by IMLS of degree 3 at
+    Gauss points; velocities projected in L2 with the consistent mass, which also gives the accelerations.
+    With velocities staggered by half a step it is of second order in time.
+
+    Parameters
+    ----------
+    degree
+        Of the polynomials.
+    points
+        Gauss points per cell and axis.
+    support
+        Radius of the weight in cells.
+    basis_degree
+        Of the splines, 2 or 3.
+    tolerance
+        As for :class:`IMLS`.
+    """
+
+    degree: int = 3
+    points: int = 3
+    support: float = 1.5
+    basis_degree: int = 2
+    tolerance: float = 1e-8
+    walls_only: ClassVar[bool] = True
+    citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "steffen2008", "tran2019")
+
+    def __post_init__(self) -> None:
+        IMLS(BSpline(self.basis_degree), self.degree, self.degree, self.points, self.support)
+        positive("SplineIMLS: tolerance", self.tolerance)
+
+    @property
+    def name(self) -> str:
+        return "spline-imls"
+
+    @property
+    def affine(self) -> bool:
+        return False
+
+    def bind(self, setting: Setting) -> Mapping:
+        grid, basis = setting.grid, BSpline(self.basis_degree)
+        axes = [basis.axis(grid, k) for k in range(grid.dim)]
+        fields = monomials(grid.dim, self.degree)
+        solver = Solver(MODES["imls"], self.tolerance, np.inf)
+        return ConsistentMapping(setting, axes, solver, fields, fields, self.support, self.points)
 
 
 @dataclass(frozen=True)
@@ -150,5 +209,5 @@ class MLS(_Reconstruction):
     def name(self) -> str:
         return "mls"
 
-    def _plan(self, dim: int) -> Plan:
-        return Plan.make(self, dim, "raw-mls" if self.raw else "mls", 0.0, self.limit)
+    def _solver(self) -> Solver:
+        return Solver(MODES["raw-mls" if self.raw else "mls"], 0.0, self.limit)

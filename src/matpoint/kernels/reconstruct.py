@@ -1,7 +1,7 @@
 """From particles to Gauss points and nodes by moving least squares (T 24-31).
 
-Fields at a Gauss point are rows of ten: density, stress (xx, yy, zz, xy, yz, xz), density times body force (3).
-The plan of a reconstruction is a tuple of plain values: see ``interpolation/reconstruction.py``.
+Points are Gauss points of cells that the body fills. With their fields they are what particles are to the
+box family's transfers, which do the rest.
 """
 
 from __future__ import annotations
@@ -10,8 +10,6 @@ import numpy as np
 
 from matpoint.jit import device, kernel
 from matpoint.kernels.mls import fill_basis, gather, improved_shape, moment_shape
-from matpoint.kernels.rows import row
-from matpoint.kernels.vector import fma, load, pack, scale, store
 
 ROOM = 4096  # neighbours of one point
 MODES = {"imls": 0, "mls": 1, "raw-mls": 2}
@@ -84,9 +82,7 @@ def shape_at(
     ``counts[d]`` is the number of monomials of degree <= d. MLS lowers the degree until the condition
     number is below ``limit``; the rank is then that of the degree kept.
     """
-    n = gather(
-        gx, gy, gz, origin, inverse, cells, support, smooth, x, order, pointer, near, weight, offset
-    )
+    n = gather(gx, gy, gz, origin, inverse, cells, support, smooth, x, order, pointer, near, weight, offset)
     if n <= 0:
         return n, 0, np.inf
     top = counts.shape[0] - 1
@@ -114,67 +110,44 @@ def shape_at(
 
 
 @kernel
-def cells_to_nodes(
-    ax, ay, az, ny, nz, nodes, slabs, start, stop, slab_pointer, slab_cells, points, shares,
-    mode, counts, parent, axis, tolerance, limit, origin, inverse, size, cells, support,
-    x, order, pointer, fields, kinematic, dynamic, ranks, conditions,
+def fields_at_points(
+    start, stop, place, mode, counts, parent, axis, tolerance, limit, origin, inverse, cells, support,
+    x, order, pointer, fields, values, ranks, conditions,
 ):  # fmt: skip
-    """Mass, internal and body force of whole cells by Gauss points (T 24-30, with rho in T 29).
+    """values[g] = sum_p phi_g(x_p) fields[p] at the points ``place`` (g, 3) [m] (T 24-26).
 
-    ``points`` (g, 3) are in units of the cell, ``shares`` (g,) times its volume; ``fields`` (n, 10) are the
-    particles'. ``ranks`` and ``conditions`` take the smallest rank and the largest condition number in
-    each cell. Return the first cell with more than ``ROOM`` neighbours, or -1.
+    ``fields`` (n, columns) are the particles'. Where the density, column 0, comes out negative (few particles
+    beside a free surface) the weighted mean is taken instead. Return the first point with more than ``ROOM``
+    neighbours, or -1.
     """
-    columns = counts[counts.shape[0] - 1]
+    columns, width = counts[counts.shape[0] - 1], fields.shape[1]
     near, weight, shape = np.empty(ROOM, np.int64), np.empty(ROOM), np.empty(ROOM)
     offset, basis = np.empty((3, ROOM)), np.empty((columns, ROOM))
     value, norm, moment = np.empty(columns), np.empty(columns), np.empty((columns, columns))
-    for s in range(start, stop):
-        for r in range(slab_pointer[slabs[s]], slab_pointer[slabs[s] + 1]):
-            c = slab_cells[r]
-            ranks[c], conditions[c] = columns, 0.0
-            i0, j0, k0 = c // (cells[1] * cells[2]), (c // cells[2]) % cells[1], c % cells[2]
-            for g in range(points.shape[0]):
-                gx = origin[0] + (i0 + points[g, 0]) * size[0]
-                gy = origin[1] + (j0 + points[g, 1]) * size[1]
-                gz = origin[2] + (k0 + points[g, 2]) * size[2]
-                n, rank, condition = shape_at(
-                    gx, gy, gz, mode, counts, parent, axis, tolerance, limit, origin, inverse, cells,
-                    support, True, x, order, pointer, near, weight, offset, basis, value, norm, moment, shape,
-                )  # fmt: skip
-                if n < 0:
-                    return c
-                ranks[c], conditions[c] = min(ranks[c], rank), max(conditions[c], condition)
-                d, xx, yy, zz, xy, yz, xz, fx, fy, fz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-                for j in range(n):
-                    p, w = near[j], shape[j]
-                    d += w * fields[p, 0]
-                    xx += w * fields[p, 1]
-                    yy += w * fields[p, 2]
-                    zz += w * fields[p, 3]
-                    xy += w * fields[p, 4]
-                    yz += w * fields[p, 5]
-                    xz += w * fields[p, 6]
-                    fx += w * fields[p, 7]
-                    fy += w * fields[p, 8]
-                    fz += w * fields[p, 9]
-                m, f, t = kinematic * d * shares[g], dynamic * shares[g], -dynamic * shares[g]
-                content = pack(0.0, 0.0, 0.0, m, f * fx, f * fy, f * fz, 0.0)
-                pull_x = pack(0.0, 0.0, 0.0, 0.0, t * xx, t * xy, t * xz, 0.0)
-                pull_y = pack(0.0, 0.0, 0.0, 0.0, t * xy, t * yy, t * yz, 0.0)
-                pull_z = pack(0.0, 0.0, 0.0, 0.0, t * xz, t * yz, t * zz, 0.0)
-                bx, wx, dx = row(ax, gx, 0.0)
-                by, wy, dy = row(ay, gy, 0.0)
-                bz, wz, dz = row(az, gz, 0.0)
-                for i in range(len(wx)):
-                    for j in range(len(wy)):
-                        ww, dw, wd = wx[i] * wy[j], dx[i] * wy[j], wx[i] * dy[j]
-                        line = fma(wd, pull_y, fma(dw, pull_x, scale(ww, content)))
-                        slope = scale(ww, pull_z)
-                        node = (((bx + i) * ny + by + j) * nz + bz) * 8
-                        for k in range(len(wz)):
-                            store(nodes, node, fma(dz[k], slope, fma(wz[k], line, load(nodes, node))))
-                            node += 8
+    for g in range(start, stop):
+        n, rank, condition = shape_at(
+            place[g, 0], place[g, 1], place[g, 2], mode, counts, parent, axis, tolerance, limit, origin,
+            inverse, cells, support, True, x, order, pointer, near, weight, offset, basis, value, norm,
+            moment, shape,
+        )  # fmt: skip
+        if n < 0:
+            return g
+        ranks[g], conditions[g] = rank, condition
+        for f in range(width):
+            values[g, f] = 0.0
+        for attempt in range(2):
+            for j in range(n):
+                for f in range(width):
+                    values[g, f] += shape[j] * fields[near[j], f]
+            if values[g, 0] > 0.0 or n == 0 or attempt == 1:
+                break
+            total = 0.0
+            for j in range(n):
+                total += weight[j]
+            for j in range(n):
+                shape[j] = weight[j] / total
+            for f in range(width):
+                values[g, f] = 0.0
     return -1
 
 
