@@ -402,3 +402,9 @@ def test_import_is_light(tmp_path):
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=tmp_path
     )
     assert done.stdout.strip() == "[]"
+
+
+def test_reproduce_refuses_a_paper_that_it_does_not_know(tmp_path):
+    refused = matpoint("reproduce", "cpdi3", cwd=tmp_path, code=2)
+    assert "did you mean 'cpdi2'" in refused.stderr
+    assert list(tmp_path.iterdir()) == []

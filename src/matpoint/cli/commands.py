@@ -166,7 +166,16 @@ def verify(
 
 
 @app.command
-def reproduce(paper: str, /, *, out: Out = None, force: Force = False) -> None:
+def reproduce(
+    paper: str,
+    /,
+    *,
+    out: Out = None,
+    force: Force = False,
+    quick: Annotated[
+        bool, Parameter(name="--quick", negative=(), help="Longer steps, fewer resolutions.")
+    ] = False,
+) -> None:
     """Make every figure of a paper, and tables, in one folder, with the settings used.
 
     Parameters
@@ -182,7 +191,7 @@ def reproduce(paper: str, /, *, out: Out = None, force: Force = False) -> None:
         raise InputError(f"reproduce: {paper!r}{did_you_mean(paper, PAPERS)}; there is {', '.join(PAPERS)}")
     folder = Path("results") / f"reproduce-{paper}" if out is None else out
     prepare_folder(folder, force, ["*.png", "*.csv", "table.*", "settings.json"])
-    PAPERS[paper](folder, lambda text: print(text, file=sys.stderr, flush=True))
+    PAPERS[paper](folder, lambda text: print(text, file=sys.stderr, flush=True), quick)
     print((folder / "table.md").read_text(encoding="utf-8"))
     print(f"figures, table.md, table.json and settings.json in {folder}")
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from matpoint.checks import positive
 from matpoint.errors import InputError
 from matpoint.problem import Announce, Problem, Result
 from matpoint.problems.ring_track import RingTrack, inner_point, nearest, radial_stress
@@ -47,6 +48,8 @@ class BimaterialRing(Problem):
         Domains across the ring, an even number; 8 are the paper's 1544 domains.
     dim
         2 (plane strain), or 3: one layer of hexahedra between rollers.
+    dt
+        Time step [s] where none is given; the paper's is 1e-6.
 
     Raises
     ------
@@ -57,6 +60,7 @@ class BimaterialRing(Problem):
     stiff: str = "inner"
     layers: int = 8
     dim: int = 2
+    dt: float = 1e-6
 
     name: ClassVar[str] = "bimaterial-ring"
     title: ClassVar[str] = "Bi-material ring under centrifugal force"
@@ -74,6 +78,7 @@ class BimaterialRing(Problem):
     step: ClassVar[float] = 1e-6
 
     def __post_init__(self) -> None:
+        positive(f"{self.name}: dt", self.dt)
         if self.stiff not in ("inner", "outer"):
             raise InputError(f'{self.name}: stiff = {self.stiff!r}; "inner" and "outer" are allowed')
         whole = isinstance(self.layers, int) and not isinstance(self.layers, bool)
@@ -148,7 +153,7 @@ class BimaterialRing(Problem):
             scheme=scheme,
             boundaries=[mp.Symmetry(mp.Plane("x", 0.0)), mp.Symmetry(mp.Plane("y", 0.0)), *walls],
             loads=[mp.BodyForce(lambda X, x, t: in_plane * x)],
-            timestep=mp.FixedStep(self.step) if timestep is None else timestep,
+            timestep=mp.FixedStep(self.dt) if timestep is None else timestep,
             threads=threads,
         )
 
@@ -175,7 +180,7 @@ class BimaterialRing(Problem):
         """
         from matpoint.timestep import FixedStep  # noqa: PLC0415 (keeps the import of a case light)
 
-        step, end = step or self.step, end or self.end
+        step, end = step or self.dt, end or self.end
         sim = self.simulation(interpolation, timestep=FixedStep(step), **choices)
         place, radius = inner_point(sim, INNER)
         rows = self.rows
@@ -202,7 +207,7 @@ class BimaterialRing(Problem):
         from matpoint.reference.prescribed import Prescribed  # noqa: PLC0415
         from matpoint.reference.solid import Solid  # noqa: PLC0415
 
-        step, end = step or self.step, end or self.end
+        step, end = step or self.dt, end or self.end
         mesh = _whole(replace(self, dim=2).meshes())
         young = np.repeat(self.ring.youngs, mesh[1].shape[0] // 2)
         x, cells = mesh
@@ -224,7 +229,7 @@ class BimaterialRing(Problem):
         from matpoint.reference.radial import radial_fem  # noqa: PLC0415 (loads scikit-fem)
 
         end = end or self.end
-        fine = min(1e-6, step or self.step)
+        fine = min(1e-6, step or self.dt)
         return radial_fem(self.ring, end=end, step=fine, elements=40, every=_every(end, fine))
 
     def run_method(self, name: str, **times: Any) -> RingTrack:
