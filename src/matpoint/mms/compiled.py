@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -10,7 +11,7 @@ import sympy as sp
 
 def compiled(
     arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]
-) -> Callable[[Sequence[np.ndarray | float], int], np.ndarray]:
+) -> Callable[[Any, int], np.ndarray]:
     """Return a function of the arguments' values and of their number n, which gives an array (m, n).
 
     Common parts are computed once; rows that are constant are not computed at all.
@@ -26,7 +27,7 @@ def compiled(
     rows = [k for k, e in enumerate(expressions) if not e.is_number]
     function = sp.lambdify(list(arguments), [expressions[k] for k in rows], modules="numpy", cse=True)
 
-    def evaluate(values: Sequence[np.ndarray | float], n: int) -> np.ndarray:
+    def evaluate(values: Any, n: int) -> np.ndarray:
         found = np.empty((len(constant), n))
         found[:] = constant[:, None]
         for row, value in zip(rows, function(*values), strict=True):

@@ -126,7 +126,7 @@ class Manufactured:
     # -- compiled functions ------------------------------------------------------------------
 
     @cached_property
-    def _functions(self) -> dict[str, Callable[[Sequence[Any], int], np.ndarray]]:
+    def _functions(self) -> dict[str, Callable[[Any, int], np.ndarray]]:
         """Fields as functions of X, Y, Z, t."""
         rate = [sp.diff(u, TIME) for u in self._u]
         second = [*self._gradient, *self._hessian.values(), *(sp.diff(v, TIME) for v in rate)]
@@ -134,13 +134,13 @@ class Manufactured:
         return {name: compiled((*COORDINATES, TIME), rows) for name, rows in wanted.items()}
 
     @cached_property
-    def _cauchy(self) -> Callable[[Sequence[Any], int], np.ndarray]:
+    def _cauchy(self) -> Callable[[Any, int], np.ndarray]:
         """σ = P Fᵀ/J as a function of F."""
         sigma = self._stress * _F.T / _F.det()
         return compiled(list(_F), [sigma[pair].subs(self._known) for pair in _VOIGT])
 
     @cached_property
-    def _internal(self) -> Callable[[Sequence[Any], int], np.ndarray]:
+    def _internal(self) -> Callable[[Any, int], np.ndarray]:
         """Div P as a function of F and ∂²u/∂X²."""
         symbols, rows = self._divergence
         return compiled([*_F, *symbols], rows)
