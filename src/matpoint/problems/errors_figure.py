@@ -38,5 +38,6 @@ def write_errors(title: str, tracks: Mapping[str, ErrorTrack], out: Path) -> lis
         writer = csv.writer(file)
         writer.writerow(["method", "time [s]", *(f"{field} [{unit}]" for field, unit in FIELDS.items())])
         for name, track in tracks.items():
-            writer.writerows([name, t, *row] for t, row in zip(track.times.tolist(), track.values.tolist()))
+            rows = np.column_stack([track.times, track.values]).tolist()
+            writer.writerows([name, *row] for row in rows)
     return [save(figure, out / "figure-errors.png"), path]

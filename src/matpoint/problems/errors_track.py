@@ -57,7 +57,10 @@ class ErrorTrack:
         return self.values[found[0]] if len(found) else np.full(3, np.nan)
 
     def norms(self) -> dict[str, float]:
-        """Return the errors at the end, at a quarter of it, and the largest; NaN where there are none."""
-        largest = self.values.max(axis=0) if self.failed is None else np.full(3, np.nan)
+        """Return the errors at the end, at a quarter of it, and the largest; NaN where there are none.
+
+        The largest of a run that failed is that of its samples before it did.
+        """
+        largest = self.values.max(axis=0)
         numbers = np.concatenate([self.at(self.end), self.at(0.25 * self.end), largest])
         return dict(zip(NORMS, numbers.tolist(), strict=True))

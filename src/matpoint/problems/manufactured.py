@@ -46,6 +46,8 @@ class ManufacturedProblem(Problem):
         symplectic Euler keeps them: its error is then of second order in the step.
     dt
         Time step [s]; 0 takes the problem's own.
+    scheme
+        Order of a step's stages: "usl", "usf" or "musl".
 
     Raises
     ------
@@ -58,6 +60,7 @@ class ManufacturedProblem(Problem):
     amplitude: float = 0.1
     staggered: bool = False
     dt: float = 0.0
+    scheme: str = "usl"
 
     #: Those of these that are there are run unless others are asked for; any other method may be.
     methods: ClassVar[tuple[str, ...]] = (
@@ -80,6 +83,8 @@ class ManufacturedProblem(Problem):
         whole(f"{self.name}: per_cell", self.per_cell)
         positive(f"{self.name}: amplitude", self.amplitude)
         not_negative(f"{self.name}: dt", self.dt)
+        if self.scheme not in ("usl", "usf", "musl"):
+            raise InputError(f'{self.name}: scheme = {self.scheme!r}; "usl", "usf" and "musl" are allowed')
         if not isinstance(self.staggered, bool):
             raise InputError(f"{self.name}: staggered = {self.staggered!r} must be true or false")
         if abs(self.end / self.step / 4 - round(self.end / self.step / 4)) > 1e-6:
@@ -137,7 +142,8 @@ class ManufacturedProblem(Problem):
             name=self.name,
         )  # fmt: skip
         return mp.Simulation(
-            self.grid(), [body], interpolation=interpolation, scheme=scheme, timestep=rule,
+            self.grid(), [body], interpolation=interpolation, timestep=rule,
+            scheme=mp.SCHEMES[self.scheme]() if scheme is None else scheme,
             boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
         )  # fmt: skip
 
