@@ -48,13 +48,16 @@ def _sizes(study: Study) -> Any:
 
 def _costs(study: Study) -> Any:
     """A row for each cost, a column for each field; errors at a quarter, where fields are not near zero."""
-    figure, axes = new_figure(11.5, 6.6, 2, 3, share_y=False)
+    from matplotlib.figure import Figure  # noqa: PLC0415 (slow to import)
+
+    figure = Figure(figsize=(11.5, 6.6), layout="constrained")
+    axes = figure.subplots(2, 3)
     for row, (cost, label) in zip(axes, _COSTS.items(), strict=True):
         for axis, (field, unit) in zip(row, FIELDS.items(), strict=True):
-            axis.sharex(row[0])
             _curve(axis, study, f"{field}_quarter", cost)
             axis.set(title=f"{field} [{unit}]", xlabel=label)
-            axis.tick_params(labelbottom=True)
+            axis.grid(True, color="#dddddd", linewidth=0.6)
+            axis.spines[["top", "right"]].set_visible(False)
     return _finish(figure, axes, f"{study.problem.title}: RMS error at a quarter against cost")
 
 

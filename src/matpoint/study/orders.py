@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ def neighbours(entries: Entries, norm: str) -> list[float | None]:
     known = dict(_good(entries, norm))
     sizes = [e["cells"] for e in entries]
     found: list[float | None] = [None] if sizes else []
-    for coarse, fine in zip(sizes, sizes[1:], strict=False):
+    for coarse, fine in pairwise(sizes):
         both = coarse in known and fine in known and coarse != fine
         found.append(math.log(known[coarse] / known[fine]) / math.log(fine / coarse) if both else None)
     return found
