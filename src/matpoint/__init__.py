@@ -31,6 +31,7 @@ _PUBLIC: dict[str, tuple[str, ...]] = {
     "meshfile": ("Mesh", "read_mesh"),
     "fill": ("fill",),
     "body": ("Body",),
+    "deformed": ("Start",),
     "particles": ("Particles",),
     "vertices": ("Vertices",),
     "interpolation": (

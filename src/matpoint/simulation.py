@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from matpoint.begin import begin
 from matpoint.body import Body
 from matpoint.boundary import Condition, Constraints
 from matpoint.checks import number, positive, whole
@@ -102,6 +103,7 @@ class Simulation:
             raise InputError(
                 f"{interpolation.name}: particle {int(setting.particles.id[fault.particle])}: {fault.cause}"
             ) from None
+        deformed = begin(setting, mapping, self.bodies)
         constraints = Constraints(
             boundaries,
             grid,
@@ -122,6 +124,8 @@ class Simulation:
             team,
             self.scheme.transfer.share,
         )
+        if deformed:
+            self.sort()
         check_start(self)
         self.engine.dt = self._first_step()
         entry = take_entry(self.engine)
