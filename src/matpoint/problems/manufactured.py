@@ -135,7 +135,7 @@ class ManufacturedProblem(Problem):
         rule = mp.FixedStep(self.step) if timestep is None else timestep
         if self.staggered and not isinstance(rule, mp.FixedStep):
             raise InputError(f"{self.name}: staggered velocities need a fixed step")
-        early = 0.5 * rule.dt if self.staggered and isinstance(rule, mp.FixedStep) else 0.0
+        early = 0.5 * rule.dt if isinstance(rule, mp.FixedStep) and self.staggered else 0.0
         exact = self.solution
         body = mp.Body(
             self.mesh(), exact.material, start=exact.start(), velocity=lambda X: exact.velocity(X, -early),
