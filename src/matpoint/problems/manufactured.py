@@ -133,9 +133,11 @@ class ManufacturedProblem(Problem):
         import matpoint as mp  # noqa: PLC0415 (keeps the import of a case light)
 
         rule = mp.FixedStep(self.step) if timestep is None else timestep
-        if self.staggered and not isinstance(rule, mp.FixedStep):
-            raise InputError(f"{self.name}: staggered velocities need a fixed step")
-        early = 0.5 * rule.dt if isinstance(rule, mp.FixedStep) and self.staggered else 0.0
+        early = 0.0
+        if self.staggered:
+            if not isinstance(rule, mp.FixedStep):
+                raise InputError(f"{self.name}: staggered velocities need a fixed step")
+            early = 0.5 * rule.dt
         exact = self.solution
         body = mp.Body(
             self.mesh(), exact.material, start=exact.start(), velocity=lambda X: exact.velocity(X, -early),
