@@ -131,11 +131,13 @@ class ManufacturedProblem(Problem):
     ) -> Simulation:
         """Return the run on its exact start."""
         import matpoint as mp  # noqa: PLC0415 (keeps the import of a case light)
+        from matpoint.timestep import FixedStep  # noqa: PLC0415
 
-        rule = mp.FixedStep(self.step) if timestep is None else timestep
-        if self.staggered and not isinstance(rule, mp.FixedStep):
-            raise InputError(f"{self.name}: staggered velocities need a fixed step")
-        early = 0.5 * rule.dt if self.staggered and isinstance(rule, mp.FixedStep) else 0.0
+        rule, early = FixedStep(self.step) if timestep is None else timestep, 0.0
+        if self.staggered:
+            if not isinstance(rule, FixedStep):
+                raise InputError(f"{self.name}: staggered velocities need a fixed step")
+            early = 0.5 * rule.dt
         exact = self.solution
         body = mp.Body(
             self.mesh(), exact.material, start=exact.start(), velocity=lambda X: exact.velocity(X, -early),
