@@ -88,6 +88,7 @@ _PUBLIC: dict[str, tuple[str, ...]] = {
     ),
     "materials.driver": ("Response", "drive", "shear", "uniaxial"),
     "citations": ("CITATIONS", "bibtex"),
+    "study": ("Study", "converge"),
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 

@@ -67,11 +67,11 @@ def _keep(inputs: Sequence[str | Path], folder: Path) -> None:
 
 
 def _only_problem(settings: Sequence[str]) -> None:
-    """Refuse settings that verify, which has its own methods and times, would pass over."""
+    """Refuse settings that verify and converge, with methods and times of their own, would pass over."""
     for setting in settings:
         if setting.split("=")[0].split(".")[0].strip() != "problem":
             raise InputError(
-                f"--set {setting!r}: verify runs the problem's own methods and times; set problem.*"
+                f"--set {setting!r}: the methods and times are the problem's own here; set problem.*"
             )
 
 

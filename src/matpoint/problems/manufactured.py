@@ -131,11 +131,11 @@ class ManufacturedProblem(Problem):
     ) -> Simulation:
         """Return the run on its exact start."""
         import matpoint as mp  # noqa: PLC0415 (keeps the import of a case light)
+        from matpoint.timestep import FixedStep  # noqa: PLC0415
 
-        rule = mp.FixedStep(self.step) if timestep is None else timestep
-        early = 0.0
+        rule, early = FixedStep(self.step) if timestep is None else timestep, 0.0
         if self.staggered:
-            if not isinstance(rule, mp.FixedStep):
+            if not isinstance(rule, FixedStep):
                 raise InputError(f"{self.name}: staggered velocities need a fixed step")
             early = 0.5 * rule.dt
         exact = self.solution
