@@ -84,6 +84,9 @@ class ReconstructedMapping(BoxMapping):
         if kinematic:
             self._velocities()
 
+    def velocities_to_nodes(self) -> None:
+        self._velocities()
+
     def _scatter(self, kinematic: bool, dynamic: bool) -> None:
         """Mass, momentum and forces of the quadrature points to the nodes (T 28-30, with rho in T 29)."""
         q, n = self.quadrature, self.nodes
