@@ -40,6 +40,7 @@ _PUBLIC: dict[str, tuple[str, ...]] = {
         "IMLS",
         "METHODS",
         "MLS",
+        "TLS",
         "UGIMP",
         "BSpline",
         "EnrichedCPDI2",

@@ -123,14 +123,6 @@ CITATIONS: dict[str, str] = {
   year = {2011},
   doi = {10.1002/nme.3041},
 }""",
-    "tran2019": """\
-@inproceedings{tran2019,
-  author = {Tran, Quoc-Anh and Berzins, Martin and So{\\l}owski, Wojciech T.},
-  title = {An improved moving least squares method for the Material Point Method},
-  booktitle = {Proceedings of the 2nd International Conference on the Material Point Method for
-    Modelling Soil-Water-Structure Interaction (MPM 2019)},
-  year = {2019},
-}""",
     "steffen2008": """\
 @article{steffen2008,
   author = {Steffen, Michael and Kirby, Robert M. and Berzins, Martin},
@@ -233,7 +225,8 @@ CITATIONS: dict[str, str] = {
   year = {2019},
   doi = {10.1007/s00466-019-01670-9},
 }""",
-    "tran2019": r"""@inproceedings{tran2019,
+    "tran2019": """\
+@inproceedings{tran2019,
   author = {Tran, Quoc-Anh and Berzins, Martin and So{\\l}owski, Wojciech T.},
   title = {An improved moving least squares method for the material point method},
   booktitle = {Proceedings of the 2nd International Conference on the Material Point Method for

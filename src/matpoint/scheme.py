@@ -16,6 +16,9 @@ from matpoint.errors import InputError
 from matpoint.transfers import APIC, FLIP, FMPM, XPIC, Transfer
 
 
+_FLIP = FLIP()
+
+
 @dataclass(frozen=True)
 class Stage:
     """One pass over the data.
@@ -168,7 +171,7 @@ class Scheme(ABC):
         How velocities come back: FLIP(blend), PIC(), APIC(), XPIC(order) or FMPM(order).
     """
 
-    transfer: Transfer = FLIP()
+    transfer: Transfer = _FLIP
     name: ClassVar[str]
     citation: ClassVar[tuple[str, ...]] = ("bardenhagen2002",)
 
