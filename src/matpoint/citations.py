@@ -170,6 +170,39 @@ CITATIONS: dict[str, str] = {
   year = {2015},
   doi = {10.1145/2766996},
 }""",
+    "hammerquist2017": """\
+@article{hammerquist2017,
+  author = {Hammerquist, Chad C. and Nairn, John A.},
+  title = {A new method for material point method particle updates that reduces noise and enhances
+    stability},
+  journal = {Computer Methods in Applied Mechanics and Engineering},
+  volume = {318},
+  pages = {724--738},
+  year = {2017},
+  doi = {10.1016/j.cma.2017.01.035},
+}""",
+    "nairn2021": """\
+@article{nairn2021,
+  author = {Nairn, John A. and Hammerquist, Chad C.},
+  title = {Material point method simulations using an approximate full mass matrix inverse},
+  journal = {Computer Methods in Applied Mechanics and Engineering},
+  volume = {377},
+  pages = {113667},
+  year = {2021},
+  doi = {10.1016/j.cma.2021.113667},
+}""",
+    "wobbes2019": """\
+@article{wobbes2019,
+  author = {Wobbes, Elizaveta and M{\\"o}ller, Matthias and Galavi, Vahid and Vuik, Cornelis},
+  title = {Conservative {Taylor} least squares reconstruction with application to material point
+    methods},
+  journal = {International Journal for Numerical Methods in Engineering},
+  volume = {117},
+  number = {3},
+  pages = {271--290},
+  year = {2019},
+  doi = {10.1002/nme.5956},
+}""",
     "nguyen2017": """\
 @article{nguyen2017,
   author = {Nguyen, Vinh Phu and Nguyen, Chi Thanh and Rabczuk, Timon and Natarajan, Sundararajan},
@@ -192,8 +225,9 @@ CITATIONS: dict[str, str] = {
   year = {2019},
   doi = {10.1007/s00466-019-01670-9},
 }""",
-    "tran2019": r"""@inproceedings{tran2019,
-  author = {Tran, Quoc-Anh and Berzins, Martin and So{\l}owski, Wojciech T.},
+    "tran2019": """\
+@inproceedings{tran2019,
+  author = {Tran, Quoc-Anh and Berzins, Martin and So{\\l}owski, Wojciech T.},
   title = {An improved moving least squares method for the material point method},
   booktitle = {Proceedings of the 2nd International Conference on the Material Point Method for
     Modelling Soil-Water-Structure Interaction (MPM 2019)},

@@ -28,11 +28,12 @@ from matpoint.particles import Particles
 from matpoint.places import Corners, Surface
 from matpoint.quantities import QUANTITIES
 from matpoint.run import Observer, run_steps
-from matpoint.scheme import APIC, SCHEMES, Scheme
+from matpoint.scheme import SCHEMES, Scheme
 from matpoint.setup import cell_order, make_setting
 from matpoint.start import check_start
 from matpoint.threads import Team
 from matpoint.timestep import FixedStep, TimeStep, stable_step
+from matpoint.transfers import APIC
 
 if TYPE_CHECKING:
     from matpoint.output.contract import Writer
@@ -123,6 +124,7 @@ class Simulation:
             NoDamping() if damping is None else damping,
             team,
             self.scheme.transfer.share,
+            self.scheme.transfer.terms,
         )
         if deformed:
             self.sort()

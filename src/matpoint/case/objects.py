@@ -34,8 +34,9 @@ from matpoint.interpolation import METHODS, BSpline, Interpolation, Linear
 from matpoint.materials import MATERIALS, Material, material_from
 from matpoint.meshes import domains_from_arrays, extrude, mesh_annulus, mesh_box
 from matpoint.regions import Annulus, Ball, Box, HalfSpace, Polygon, Region
-from matpoint.scheme import APIC, FLIP, PIC, SCHEMES, Scheme
+from matpoint.scheme import SCHEMES, Scheme
 from matpoint.timestep import CFL, FixedStep, TimeStep
+from matpoint.transfers import FLIP, FMPM, TRANSFERS, XPIC, Transfer
 
 
 def make_region(table: Any) -> Region:
@@ -143,10 +144,20 @@ def make_scheme(table: SchemeTable, interpolation: Interpolation) -> Scheme:
     """Return the scheme of a table; without an order, that of the interpolation."""
     if table.blend is not None and table.transfer != "flip":
         raise InputError(f"scheme.blend: {table.transfer} has no blend; it belongs to flip")
-    blend = 1.0 if table.blend is None else table.blend
-    with naming("scheme.blend"):
-        transfers = {"flip": FLIP(blend), "pic": PIC(), "apic": APIC()}
-    return SCHEMES[table.order or interpolation.default_scheme](transfers[table.transfer])
+    if table.terms is not None and table.transfer not in ("xpic", "fmpm"):
+        raise InputError(f"scheme.terms: {table.transfer} has no series; it belongs to xpic and fmpm")
+    return SCHEMES[table.order or interpolation.default_scheme](_transfer(table))
+
+
+def _transfer(table: SchemeTable) -> Transfer:
+    choice = TRANSFERS[table.transfer]
+    if choice is FLIP and table.blend is not None:
+        with naming("scheme.blend"):
+            return FLIP(table.blend)
+    if choice in (XPIC, FMPM) and table.terms is not None:
+        with naming("scheme.terms"):
+            return (XPIC if choice is XPIC else FMPM)(table.terms)
+    return choice()
 
 
 def make_timestep(table: TimeTable) -> TimeStep:

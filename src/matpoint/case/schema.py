@@ -73,8 +73,9 @@ class SchemeTable(Table):
     """The order of stages and the velocity transfer."""
 
     order: Literal["usl", "usf", "musl"] | None = None
-    transfer: Literal["flip", "pic", "apic"] = "flip"
+    transfer: Literal["flip", "pic", "apic", "xpic", "fmpm"] = "flip"
     blend: float | None = None
+    terms: int | None = None
 
 
 class PlaneTable(Table):

@@ -9,6 +9,7 @@ from matpoint.interpolation.enriched import EnrichedCPDI2
 from matpoint.interpolation.gimp import CPGIMP, UGIMP
 from matpoint.interpolation.linear import Linear
 from matpoint.interpolation.reconstruction import IMLS, MLS, SplineIMLS
+from matpoint.interpolation.taylor import TLS
 
 #: Method name -> the interpolation with its default parameters.
 METHODS: dict[str, Interpolation] = {
@@ -25,6 +26,7 @@ METHODS: dict[str, Interpolation] = {
         MLS(),
         IMLS(),
         SplineIMLS(),
+        TLS(),
     )
 }
 
@@ -35,6 +37,7 @@ __all__ = [
     "IMLS",
     "METHODS",
     "MLS",
+    "TLS",
     "UGIMP",
     "BSpline",
     "EnrichedCPDI2",

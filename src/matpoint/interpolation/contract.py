@@ -128,6 +128,7 @@ class Mapping(ABC):
     """
 
     nodes: Nodes
+    particles: Particles
     consistent: ClassVar[bool] = False  # True: the mass couples the nodes, and ``solve`` takes the conditions
 
     @property
@@ -165,6 +166,28 @@ class Mapping(ABC):
     @abstractmethod
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take up what ``state`` gave; the particles have been restored already."""
+
+    def round_trip(self, velocity: np.ndarray) -> np.ndarray:
+        """Return S+ S v: nodal velocities [m/s] brought to the particles and back, shape (records, 3).
+
+        Nodes and particles are left as they are, but for the next positions.
+        """
+        p, n = self.particles, self.nodes.records
+        kept, own = n.copy(), p.velocity
+        p.velocity = np.zeros_like(own)
+        n[:, :3], n[:, 4:7] = velocity, 0.0
+        self.to_particles(0.0, 0.0, move=True, differentiate=False)
+        n[:, :3] = 0.0
+        self.velocities_to_nodes()
+        mass = n[:, 3:4]
+        result = np.divide(n[:, :3], mass, out=np.zeros_like(velocity), where=mass > 0.0)
+        n[:], p.velocity = kept, own
+        return result
+
+    def velocities_to_nodes(self) -> None:
+        """Put momenta of the particles' velocities on nodes that have the masses already."""
+        self.nodes.clear()
+        self.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=False)
 
     def solve(self, dt: float, rate: float, factor: float, held: Held) -> np.ndarray:
         """Solve with a mass that couples the nodes; return the impulses [N s] along the held directions."""
@@ -215,6 +238,8 @@ class Interpolation(ABC):
         conditions on planes must then lie on the grid's faces.
     default_scheme
         Name of the scheme for a run that gives none.
+    consistent
+        True if its mass couples the nodes, so that XPIC and FMPM have nothing to improve.
     affine
         True if APIC's affine velocity can go with it.
     citation
@@ -225,6 +250,7 @@ class Interpolation(ABC):
     uses_vertices: ClassVar[bool] = False
     shares_corners: ClassVar[bool] = False
     walls_only: ClassVar[bool] = False
+    consistent: ClassVar[bool] = False
     citation: ClassVar[tuple[str, ...]] = ()
 
     @property

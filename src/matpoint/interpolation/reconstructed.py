@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from matpoint.interpolation.box import BoxMapping
@@ -26,6 +28,8 @@ class ReconstructedMapping(BoxMapping):
         Rank and condition number of the moment matrix at each node.
     """
 
+    quadrature_kind: ClassVar[type[Quadrature]] = Quadrature
+
     def __init__(
         self, setting: Setting, axes: list[Axis], solver: Solver, fields: Monomials, velocities: Monomials,
         support: float, points: int,
@@ -33,7 +37,7 @@ class ReconstructedMapping(BoxMapping):
         super().__init__(setting, axes)
         self._solver, self._velocity_monomials = solver, velocities
         self.cells = CellList(setting.grid, len(self.particles))
-        self.quadrature = Quadrature(
+        self.quadrature = self.quadrature_kind(
             self.cells, self.nodes, self.team, solver, fields, support, points, setting.grid.dim
         )
         self._places = self.nodes.positions()
@@ -83,6 +87,9 @@ class ReconstructedMapping(BoxMapping):
         self._scatter(kinematic, dynamic)
         if kinematic:
             self._velocities()
+
+    def velocities_to_nodes(self) -> None:
+        self._velocities()
 
     def _scatter(self, kinematic: bool, dynamic: bool) -> None:
         """Mass, momentum and forces of the quadrature points to the nodes (T 28-30, with rho in T 29)."""

@@ -155,6 +155,7 @@ class SplineIMLS(Interpolation):
     basis_degree: int = 2
     tolerance: float = 1e-8
     walls_only: ClassVar[bool] = True
+    consistent: ClassVar[bool] = True
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "steffen2008", "tran2019")
 
     def __post_init__(self) -> None:

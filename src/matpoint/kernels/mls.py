@@ -97,9 +97,16 @@ def improved_shape(n, columns, weight, basis, value, norm, tolerance, shape):
     dropped by itself: particles on a line lose the column across it and keep the one along it (T 17 would
     drop all that follow). ``value`` and ``norm`` are scratch, (columns,).
     """
-    rank = 0
     for k in range(columns):
         value[k] = 1.0 if k == 0 else 0.0
+    return orthogonal_shape(n, columns, weight, basis, value, norm, tolerance, shape)
+
+
+@device
+def orthogonal_shape(n, columns, weight, basis, value, norm, tolerance, shape):
+    """``improved_shape`` for any point: ``value`` holds the monomials there, and is overwritten."""
+    rank = 0
+    for k in range(columns):
         full = _dot(n, weight, basis[k], basis[k])
         for _ in range(2):
             for q in range(k):
