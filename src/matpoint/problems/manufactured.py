@@ -47,7 +47,8 @@ class ManufacturedProblem(Problem):
     dt
         Time step [s]; 0 takes the problem's own.
     scheme
-        Order of a step's stages: "usl", "usf" or "musl".
+        Order of a step's stages: "usl", "usf" or "musl"; "" takes USL, and MUSL for plain MPM: under USL it
+        turns a particle inside out long before the end on 64 cells.
 
     Raises
     ------
@@ -60,7 +61,7 @@ class ManufacturedProblem(Problem):
     amplitude: float = 0.1
     staggered: bool = False
     dt: float = 0.0
-    scheme: str = "usl"
+    scheme: str = ""
 
     #: Those of these that are there are run unless others are asked for; any other method may be.
     methods: ClassVar[tuple[str, ...]] = (
@@ -83,7 +84,7 @@ class ManufacturedProblem(Problem):
         whole(f"{self.name}: per_cell", self.per_cell)
         positive(f"{self.name}: amplitude", self.amplitude)
         not_negative(f"{self.name}: dt", self.dt)
-        if self.scheme not in ("usl", "usf", "musl"):
+        if self.scheme not in ("", "usl", "usf", "musl"):
             raise InputError(f'{self.name}: scheme = {self.scheme!r}; "usl", "usf" and "musl" are allowed')
         if not isinstance(self.staggered, bool):
             raise InputError(f"{self.name}: staggered = {self.staggered!r} must be true or false")
@@ -145,9 +146,16 @@ class ManufacturedProblem(Problem):
         )  # fmt: skip
         return mp.Simulation(
             self.grid(), [body], interpolation=interpolation, timestep=rule,
-            scheme=mp.SCHEMES[self.scheme]() if scheme is None else scheme,
+            scheme=self._scheme(interpolation) if scheme is None else scheme,
             boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
         )  # fmt: skip
+
+    def _scheme(self, interpolation: Interpolation) -> Scheme:
+        """The order of stages that was asked for, or the one in which the method lives longest."""
+        from matpoint.scheme import SCHEMES  # noqa: PLC0415 (keeps the import of a case light)
+
+        own = "musl" if interpolation.name == "mpm" else interpolation.default_scheme
+        return SCHEMES[self.scheme or own]()
 
     def errors(self, sim: Simulation) -> np.ndarray:
         """Return the RMS errors of displacement, velocity and stress as they are now (T 48), shape (3,)."""
