@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from matpoint.checks import numbers, whole
+from matpoint.checks import instance, numbers, whole
+from matpoint.deformed import Start
 from matpoint.domains import Domains
 from matpoint.errors import InputError
 from matpoint.faces import check_sets
@@ -35,6 +36,9 @@ class Body:
         returns (n, 3).
     name
         Used in messages and outputs.
+    start
+        How it begins deformed; None begins in the reference configuration. ``velocity`` as a function
+        takes reference positions all the same.
     """
 
     geometry: Region | Domains
@@ -42,6 +46,7 @@ class Body:
     per_cell: int | tuple[int, ...] = 2
     velocity: tuple[float, ...] | Callable[[np.ndarray], np.ndarray] = (0.0,)
     name: str = ""
+    start: Start | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.geometry, Region | Domains):
@@ -58,6 +63,7 @@ class Body:
             whole(f"{self.label}: per_cell", n)
         if not callable(self.velocity):
             numbers(f"{self.label}: velocity", self.velocity)
+        instance(f"{self.label}: start", self.start, Start | None, "a Start, or None")
 
     @property
     def label(self) -> str:

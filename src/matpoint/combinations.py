@@ -14,8 +14,9 @@ from matpoint.grid import Grid
 from matpoint.interpolation.contract import Interpolation
 from matpoint.loads import Damping, Load
 from matpoint.places import Corners, Surface
-from matpoint.scheme import APIC, Scheme
+from matpoint.scheme import Scheme
 from matpoint.timestep import TimeStep
+from matpoint.transfers import APIC, FMPM, XPIC
 
 
 def _names(union: Any) -> str:
@@ -72,10 +73,20 @@ def refuse_combinations(
     if dim not in interpolation.dimensions:
         allowed = ", ".join(f"{d}-D" for d in interpolation.dimensions)
         raise InputError(f"{name} serves {allowed}; the grid is {dim}-D")
-    if isinstance(scheme.transfer, APIC) and interpolation.uses_vertices:
+    if interpolation.default_scheme not in (scheme.name, "usl"):
+        raise InputError(
+            f"{name}: reproject = true is the order of stages of {interpolation.default_scheme}; leave the"
+            " scheme out, or set reproject = false"
+        )
+    if isinstance(scheme.transfer, APIC) and not interpolation.affine:
         raise InputError(
             f"{name} with APIC: an affine velocity needs a point with a block of nodes;"
             " use FLIP or PIC, or a box-family interpolation (mpm, ugimp, cpgimp, bspline2, bspline3)"
+        )
+    if isinstance(scheme.transfer, XPIC | FMPM) and interpolation.consistent:
+        raise InputError(
+            f"{name} with {type(scheme.transfer).__name__}: its mass is the full one, solved exactly, so that"
+            " there is no series to sum; use PIC, the limit of many terms, or FLIP"
         )
     on_corners = [type(c).__name__ for c in boundaries if isinstance(c.where, Surface | Corners)]
     on_corners += [type(load).__name__ for load in loads if isinstance(load, FaceLoad)]

@@ -15,11 +15,12 @@ from matpoint.boundary import Constraints
 from matpoint.errors import NotFiniteError, RunError
 from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
-from matpoint.interpolation.contract import Mapping, ParticleError
+from matpoint.interpolation.contract import Held, Mapping, ParticleError
 from matpoint.kernels.ledger import book_loads
 from matpoint.kernels.nodes import constrain, solve
 from matpoint.loads import Damping, Loads
 from matpoint.materials import Material, stress_kernel
+from matpoint.neumann import neumann_correction
 from matpoint.particles import Particles
 from matpoint.threads import Team
 
@@ -43,12 +44,13 @@ class Engine:
         damping: Damping,
         team: Team,
         flip: float,
+        terms: int = 1,
     ) -> None:
         self.particles, self.mapping, self.materials = particles, mapping, tuple(materials)
         self.constraints, self.loads, self.damping = constraints, loads, damping
         self.face_loads = face_loads
         self._pushes: list[tuple[np.ndarray, np.ndarray]] = []
-        self.team, self.flip = team, flip
+        self.team, self.flip, self.terms = team, flip, terms
         self.time, self.step, self.dt = 0.0, 0, 0.0
         self.body = np.zeros((1, 3))
         # Impulse of all external forces (3) [N s], their work [J], impulse of their moments (3).
@@ -142,6 +144,30 @@ class Engine:
         """Velocity gradient to the particles."""
         self.mapping.to_particles(self.dt, self.flip, move=False, differentiate=True)
 
+    def extend(self) -> None:
+        """XPIC's velocity for the particles, in the place of the nodes' increments."""
+        n = self.mapping.nodes.records
+        correction = self._neumann(n[:, :3] - n[:, 4:7], self.external)
+        n[:, 4:7] = n[:, :3] + correction
+
+    def invert_mass(self) -> None:
+        """FMPM's velocities at the end of the step."""
+        n = self.mapping.nodes.records
+        n[:, :3] += self._neumann(n[:, :3].copy(), self.external)
+
+    def invert_mass_only(self) -> None:
+        """FMPM's velocities from momenta, for the gradient alone."""
+        n = self.mapping.nodes.records
+        n[:, :3] += self._neumann(n[:, :3].copy(), np.zeros(7))
+
+    def scatter_extended(self) -> None:
+        """XPIC's velocity, position and velocity gradient to the particles."""
+        self._take_extended(differentiate=True)
+
+    def move_extended(self) -> None:
+        """XPIC's velocity and position to the particles."""
+        self._take_extended(differentiate=False)
+
     def scatter_affine(self) -> None:
         """APIC's moment of velocity to the particles."""
         self._box().nodes_to_affine()
@@ -182,7 +208,42 @@ class Engine:
         assert isinstance(self.mapping, BoxMapping)  # refused for others when the run was set up
         return self.mapping
 
+    def _take_extended(self, differentiate: bool) -> None:
+        """Add what stands in the place of increments to nothing: that is the particles' new velocity."""
+        self.particles.velocity[:] = 0.0
+        self.mapping.to_particles(self.dt, 1.0, move=True, differentiate=differentiate)
+
+    def _neumann(self, velocity: np.ndarray, external: np.ndarray) -> np.ndarray:
+        """Return the series' terms after the first; conditions on them are booked."""
+        c = self.constraints
+        correction, push = neumann_correction(self.mapping, velocity, self.terms, c)
+        if len(c.index):
+            before, after = c.velocities(self.time), c.velocities(self.time + self.dt)
+            self._book(push, before, after, external)
+        return correction
+
+    def _book(self, push: np.ndarray, before: np.ndarray, after: np.ndarray, external: np.ndarray) -> None:
+        """Book impulses [N s] along the held directions, their work and their moment."""
+        c = self.constraints
+        vectors = push[:, None] * c.normal
+        points = self.mapping.constraint_points(c.index, c.points)
+        external[:3] += vectors.sum(axis=0)
+        external[3] += float((push * 0.5 * (before + after)).sum())
+        external[4:] += np.cross(points, vectors).sum(axis=0)
+
+    def _solve_consistent(self, dt: float) -> None:
+        """Solve with the conditions inside; the stage of conditions then finds nothing left to do."""
+        c = self.constraints
+        before, after = c.velocities(self.time), c.velocities(self.time + dt)
+        held = Held(c.index, c.normal, before, after)
+        push = self.mapping.solve(dt, self.damping.rate, self.damping.factor, held)
+        if dt > 0.0:
+            self._book(push, before, after, self.external)
+
     def _solve(self, dt: float) -> None:
+        if self.mapping.consistent:
+            self._solve_consistent(dt)
+            return
         nodes, damping = self.mapping.nodes.records, self.damping
         self.team.split(len(nodes), lambda a, b: solve(nodes, a, b, dt, damping.rate, damping.factor))
 

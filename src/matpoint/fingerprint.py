@@ -60,7 +60,7 @@ def identity(sim: Simulation) -> dict[str, str]:
         "interpolation": sim.interpolation,
         "scheme": sim.scheme,
         "materials": sim.materials,
-        "bodies": [body.name for body in sim.bodies],
+        "bodies": [b.name if b.start is None else (b.name, b.start) for b in sim.bodies],
         "particles": [p.ordered(name) for name in names],
         "boundaries": sim.boundaries,
         "damping": sim.engine.damping,

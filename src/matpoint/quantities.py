@@ -54,6 +54,12 @@ def _domain_gap(sim: Simulation) -> float:
     return 0.0 if sim.vertices is None else float(domain_gaps(sim).max())
 
 
+def _worst(sim: Simulation, name: str, choose: Callable[[np.ndarray], float]) -> float:
+    """The worst of a reconstruction's diagnostics; 0 where a method has none."""
+    values = getattr(sim.engine.mapping, name, None)
+    return 0.0 if values is None or len(values) == 0 else float(choose(values))
+
+
 def _smallest_corner_jacobian(sim: Simulation) -> float:
     return 1.0 if sim.vertices is None else float(corner_jacobians(sim.vertices).min())
 
@@ -109,6 +115,24 @@ QUANTITIES: dict[str, Quantity] = {
         lambda sim: float(len(getattr(sim.engine.mapping, "fallen", ()))),
         "-",
         "domains that fell back to CPDI1",
+    ),
+    "grid_mass_error": Quantity(
+        lambda sim: float(getattr(sim.engine.mapping, "grid_mass_error", 0.0)),
+        "-",
+        "mass on the nodes less that of the particles, over it: what a reconstruction does not conserve",
+    ),
+    "smallest_rank": Quantity(
+        lambda sim: _worst(sim, "ranks", np.min), "-", "fewest columns kept by a reconstruction (IMLS)"
+    ),
+    "largest_condition": Quantity(
+        lambda sim: _worst(sim, "conditions", np.max),
+        "-",
+        "largest condition number of a moment matrix (MLS)",
+    ),
+    "bad_points": Quantity(
+        lambda sim: float(getattr(sim.engine.mapping, "bad_points", 0)),
+        "-",
+        "points whose moment matrix was too ill-conditioned, so that the degree was lowered (MLS)",
     ),
     "largest_speed": Quantity(_largest_speed, "m/s", "largest particle speed"),
     "dt": Quantity(lambda sim: sim.dt, "s", "length of the last step"),

@@ -6,7 +6,6 @@ reads and what it writes; ``matpoint explain`` prints exactly what a step will d
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,51 +13,9 @@ from typing import ClassVar
 
 from matpoint.engine import Engine
 from matpoint.errors import InputError
+from matpoint.transfers import APIC, FLIP, FMPM, XPIC, Transfer
 
-
-@dataclass(frozen=True)
-class FLIP:
-    """Particles take the increment of the nodes' velocity (S 13).
-
-    Parameters
-    ----------
-    blend
-        Share of FLIP; the rest is PIC, which takes the velocity itself and damps.
-    """
-
-    blend: float = 1.0
-    name: ClassVar[str] = "flip"
-    citation: ClassVar[tuple[str, ...]] = ()
-
-    def __post_init__(self) -> None:
-        if not (isinstance(self.blend, int | float) and math.isfinite(self.blend) and 0 <= self.blend <= 1):
-            raise InputError(f"FLIP: blend = {self.blend!r} must be from 0 (PIC) to 1")
-
-    @property
-    def share(self) -> float:
-        """FLIP's share of the velocity update."""
-        return float(self.blend)
-
-
-@dataclass(frozen=True)
-class PIC:
-    """Particles take the nodes' velocity."""
-
-    name: ClassVar[str] = "pic"
-    share: ClassVar[float] = 0.0
-    citation: ClassVar[tuple[str, ...]] = ()
-
-
-@dataclass(frozen=True)
-class APIC:
-    """PIC with an affine velocity on each particle (Jiang et al. 2015); box family only."""
-
-    name: ClassVar[str] = "apic"
-    share: ClassVar[float] = 0.0
-    citation: ClassVar[tuple[str, ...]] = ("jiang2015",)
-
-
-Transfer = FLIP | PIC | APIC
+_FLIP = FLIP()
 
 
 @dataclass(frozen=True)
@@ -144,6 +101,42 @@ AFFINE_BACK = Stage(
     ("affine_moment",),
     Engine.scatter_affine,
 )
+EXTEND = Stage(
+    "extended velocity",
+    "u_i = sum_{0 <= j < m} (1 - S+ S)^j v_i + a_i dt, S+ S from nodes to particles and back"
+    "  (Hammerquist and Nairn 2017)",
+    ("nodes", "position", "mass"),
+    ("nodes", "reaction"),
+    Engine.extend,
+)
+SCATTER_EXTENDED = Stage(
+    "nodes to particles",
+    "v_p = sum phi u_i, x_p+ = x_p + sum phi v_i+ dt, L_p = sum v_i+ grad phi",
+    ("nodes", "position"),
+    ("velocity", "position (next)", "velocity_gradient"),
+    Engine.scatter_extended,
+)
+MOVE_EXTENDED = Stage(
+    "velocity and position to particles",
+    "v_p = sum phi u_i, x_p+ = x_p + sum phi v_i+ dt",
+    ("nodes", "position"),
+    ("velocity", "position (next)"),
+    Engine.move_extended,
+)
+FULL_MASS = Stage(
+    "approximate full mass",
+    "v_i+ = sum_{0 <= j < k} (1 - S+ S)^j v_i+, S+ S = M_L^-1 M  (Nairn and Hammerquist 2021)",
+    ("nodes", "position", "mass"),
+    ("nodes", "reaction"),
+    Engine.invert_mass,
+)
+FULL_MASS_ONLY = Stage(
+    "approximate full mass",
+    "v_i = sum_{0 <= j < k} (1 - S+ S)^j v_i, S+ S = M_L^-1 M  (Nairn and Hammerquist 2021)",
+    ("nodes", "position", "mass"),
+    ("nodes",),
+    Engine.invert_mass_only,
+)
 DIFFERENTIATE = Stage(
     "velocity gradient to particles",
     "L_p = sum v_i grad phi  (S 15)",
@@ -174,17 +167,18 @@ class Scheme(ABC):
     Parameters
     ----------
     transfer
-        How velocities come back: FLIP(blend), PIC() or APIC().
+        How velocities come back: FLIP(blend), PIC(), APIC(), XPIC(order) or FMPM(order).
     """
 
-    transfer: Transfer = FLIP()
+    transfer: Transfer = _FLIP
     name: ClassVar[str]
     citation: ClassVar[tuple[str, ...]] = ("bardenhagen2002",)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.transfer, FLIP | PIC | APIC):
+        if not isinstance(self.transfer, Transfer):
             raise InputError(
-                f"scheme: transfer = {self.transfer!r}; FLIP(blend), PIC() and APIC() are allowed"
+                f"scheme: transfer = {self.transfer!r}; FLIP(blend), PIC(), APIC(), XPIC(order) and"
+                " FMPM(order) are allowed"
             )
 
     @property
@@ -192,12 +186,22 @@ class Scheme(ABC):
     def stages(self) -> tuple[Stage, ...]:
         """The stages of one step, in order."""
 
-    def _with_affine(self, *stages: Stage) -> tuple[Stage, ...]:
-        """APIC adds its stage after each gathering and after the velocities have come back."""
-        if not isinstance(self.transfer, APIC):
-            return stages
-        after = {GATHER: AFFINE_OUT, GATHER_MOMENTUM: AFFINE_OUT, SCATTER: AFFINE_BACK, MOVE: AFFINE_BACK}
-        return tuple(s for stage in stages for s in (stage, after.get(stage)) if s is not None)
+    def _with_transfer(self, *stages: Stage) -> tuple[Stage, ...]:
+        """Give the stages that a transfer adds or puts in the place of others.
+
+        APIC adds one after each gathering and after the velocities have come back; XPIC extends the
+        velocity before it comes back, FMPM wherever velocities have been made.
+        """
+        other: dict[Stage, tuple[Stage, ...]] = {}
+        match self.transfer:
+            case APIC():
+                other = {s: (s, AFFINE_OUT) for s in (GATHER, GATHER_MOMENTUM)}
+                other |= {s: (s, AFFINE_BACK) for s in (SCATTER, MOVE)}
+            case XPIC():
+                other = {SCATTER: (EXTEND, SCATTER_EXTENDED), MOVE: (EXTEND, MOVE_EXTENDED)}
+            case FMPM():
+                other = {s: (s, FULL_MASS_ONLY) for s in (HOLD_START, HOLD_END)} | {HOLD: (HOLD, FULL_MASS)}
+        return tuple(s for stage in stages for s in other.get(stage, (stage,)))
 
 
 class USL(Scheme):
@@ -207,7 +211,7 @@ class USL(Scheme):
 
     @property
     def stages(self) -> tuple[Stage, ...]:
-        return self._with_affine(LOCATE, CLEAR, GATHER, SOLVE, HOLD, SCATTER, STRESS, ADVANCE)
+        return self._with_transfer(LOCATE, CLEAR, GATHER, SOLVE, HOLD, SCATTER, STRESS, ADVANCE)
 
 
 class USF(Scheme):
@@ -218,7 +222,7 @@ class USF(Scheme):
     @property
     def stages(self) -> tuple[Stage, ...]:
         first = (LOCATE, CLEAR, GATHER_MOMENTUM, VELOCITY, HOLD_START, DIFFERENTIATE, STRESS)
-        return self._with_affine(*first, CLEAR, GATHER, SOLVE, HOLD, MOVE, ADVANCE)
+        return self._with_transfer(*first, CLEAR, GATHER, SOLVE, HOLD, MOVE, ADVANCE)
 
 
 class MUSL(Scheme):
@@ -229,7 +233,7 @@ class MUSL(Scheme):
     @property
     def stages(self) -> tuple[Stage, ...]:
         second = (CLEAR, GATHER_MOMENTUM, VELOCITY, HOLD_END, DIFFERENTIATE, STRESS, ADVANCE)
-        return self._with_affine(LOCATE, CLEAR, GATHER, SOLVE, HOLD, MOVE, *second)
+        return self._with_transfer(LOCATE, CLEAR, GATHER, SOLVE, HOLD, MOVE, *second)
 
 
 #: Scheme name -> class.

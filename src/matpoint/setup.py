@@ -61,7 +61,8 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
         raise InputError("simulation: no bodies, so no particles; give at least one")
     parts = [body.domains(grid) for body in bodies]
     for body, domains in zip(bodies, parts, strict=True):
-        _check_inside(grid, body, domains)
+        if body.start is None:  # else where it begins is what counts
+            _check_inside(grid, body, domains)
     names = [body.name or f"number {k}" for k, body in enumerate(bodies)]
     overlap(list(zip(names, parts, strict=True)))
     for name, domains in zip(names, parts, strict=True):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from matpoint.begin import begin
 from matpoint.body import Body
 from matpoint.boundary import Condition, Constraints
 from matpoint.checks import number, positive, whole
@@ -27,11 +28,12 @@ from matpoint.particles import Particles
 from matpoint.places import Corners, Surface
 from matpoint.quantities import QUANTITIES
 from matpoint.run import Observer, run_steps
-from matpoint.scheme import APIC, USL, Scheme
+from matpoint.scheme import SCHEMES, Scheme
 from matpoint.setup import cell_order, make_setting
 from matpoint.start import check_start
 from matpoint.threads import Team
 from matpoint.timestep import FixedStep, TimeStep, stable_step
+from matpoint.transfers import APIC
 
 if TYPE_CHECKING:
     from matpoint.output.contract import Writer
@@ -52,7 +54,7 @@ class Simulation:
     timestep
         ``FixedStep(dt)`` or ``CFL(fraction)``.
     scheme
-        ``USL``, ``USF`` or ``MUSL`` with a transfer.
+        ``USL``, ``USF`` or ``MUSL`` with a transfer; None takes the interpolation's own, mostly USL.
     boundaries, loads, damping
         Conditions on the nodes, gravity and body forces, damping.
     threads
@@ -85,7 +87,7 @@ class Simulation:
     ) -> None:
         check_arguments(grid, bodies, interpolation, timestep, scheme, boundaries, loads, damping)
         self.grid, self.bodies, self.interpolation = grid, tuple(bodies), interpolation
-        self.scheme = USL() if scheme is None else scheme
+        self.scheme = SCHEMES[interpolation.default_scheme]() if scheme is None else scheme
         self.timestep, self.boundaries, self.loads = timestep, tuple(boundaries), tuple(loads)
         for name, value in (("sort_every", sort_every), ("sample_every", sample_every)):
             whole(f"simulation: {name}", value)
@@ -102,6 +104,7 @@ class Simulation:
             raise InputError(
                 f"{interpolation.name}: particle {int(setting.particles.id[fault.particle])}: {fault.cause}"
             ) from None
+        deformed = begin(setting, mapping, self.bodies)
         constraints = Constraints(
             boundaries,
             grid,
@@ -121,7 +124,10 @@ class Simulation:
             NoDamping() if damping is None else damping,
             team,
             self.scheme.transfer.share,
+            self.scheme.transfer.terms,
         )
+        if deformed:
+            self.sort()
         check_start(self)
         self.engine.dt = self._first_step()
         entry = take_entry(self.engine)

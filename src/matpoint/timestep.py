@@ -10,6 +10,7 @@ import numpy as np
 
 from matpoint.checks import number, positive, whole
 from matpoint.errors import InputError
+from matpoint.transfers import FMPM
 
 if TYPE_CHECKING:
     from matpoint.simulation import Simulation
@@ -73,7 +74,8 @@ def stable_step(simulation: Simulation) -> float:
     A signal may cross no more than one cell, min_p h / (c_p + |v_p|), with c the wave speed in the
     deformed state; viscosity may spread no further, h^2 / (2 dim nu); and a signal may cross no more
     than 0.7 (in 3-D 0.67) of the height of a domain with enriched vertices, which move with the material,
-    at its own c.
+    at its own c. FMPM(k) makes the lightest modes of the grid up to k times lighter, which divides all by
+    sqrt(k).
     """
     p = simulation.particles
     speed, spread = np.zeros(len(p)), 0.0
@@ -86,4 +88,7 @@ def stable_step(simulation: Simulation) -> float:
     if spread > 0:
         limit = min(limit, simulation.grid.finest**2 / (2 * simulation.dim * spread))
     crossing = float((speed / simulation.vertex_spacing()).max())  # 1/inf = 0: no enriched vertex there
-    return min(limit, VERTEX_SHARE[simulation.dim] / crossing) if crossing > 0 else limit
+    if crossing > 0:
+        limit = min(limit, VERTEX_SHARE[simulation.dim] / crossing)
+    transfer = simulation.scheme.transfer
+    return limit / math.sqrt(transfer.order) if isinstance(transfer, FMPM) else limit

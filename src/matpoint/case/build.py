@@ -104,7 +104,8 @@ def build_simulation(case: Case, threads: int | None = None) -> Simulation:
 
 
 def _simulation(tables: CaseTable, folder: Path | None, threads: int | None) -> Simulation:
-    interpolation, scheme = make_interpolation(tables.interpolation), make_scheme(tables.scheme)
+    interpolation = make_interpolation(tables.interpolation)
+    scheme = make_scheme(tables.scheme, interpolation)
     timestep = make_timestep(tables.time)
     if tables.problem is not None:
         _problem_only(tables)

@@ -30,12 +30,13 @@ from matpoint.case.shapes import (
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError, did_you_mean
 from matpoint.expressions import vector_field
-from matpoint.interpolation import METHODS, Interpolation
+from matpoint.interpolation import METHODS, BSpline, Interpolation, Linear
 from matpoint.materials import MATERIALS, Material, material_from
 from matpoint.meshes import domains_from_arrays, extrude, mesh_annulus, mesh_box
 from matpoint.regions import Annulus, Ball, Box, HalfSpace, Polygon, Region
-from matpoint.scheme import APIC, FLIP, PIC, SCHEMES, Scheme
+from matpoint.scheme import SCHEMES, Scheme
 from matpoint.timestep import CFL, FixedStep, TimeStep
+from matpoint.transfers import FLIP, FMPM, TRANSFERS, XPIC, Transfer
 
 
 def make_region(table: Any) -> Region:
@@ -119,7 +120,9 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
     choice = METHODS[table.method]
     given = ((name, getattr(table, name)) for name in type(table).model_fields if name != "method")
     options: dict[str, Any] = {name: value for name, value in given if value is not None}
-    allowed = [f.name for f in dataclasses.fields(choice) if f.name != "degree"]
+    # The degree of plain B-splines is in the method's name.
+    fixed = {"degree"} if isinstance(choice, BSpline) else set()
+    allowed = [f.name for f in dataclasses.fields(choice) if f.name not in fixed]
     for key in options:
         if key not in allowed:
             raise InputError(
@@ -129,17 +132,32 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
     with naming("interpolation"):
         if not isinstance(options.get("where", ""), str):
             options["where"] = make_region(options["where"])
+        if "basis" in options:
+            options["basis"] = _BASES[options["basis"]]
         return dataclasses.replace(choice, **options)
 
 
-def make_scheme(table: SchemeTable) -> Scheme:
-    """Return the scheme of a table."""
+_BASES = {"linear": Linear(), "bspline2": BSpline(2), "bspline3": BSpline(3)}
+
+
+def make_scheme(table: SchemeTable, interpolation: Interpolation) -> Scheme:
+    """Return the scheme of a table; without an order, that of the interpolation."""
     if table.blend is not None and table.transfer != "flip":
         raise InputError(f"scheme.blend: {table.transfer} has no blend; it belongs to flip")
-    blend = 1.0 if table.blend is None else table.blend
-    with naming("scheme.blend"):
-        transfers = {"flip": FLIP(blend), "pic": PIC(), "apic": APIC()}
-    return SCHEMES[table.order](transfers[table.transfer])
+    if table.terms is not None and table.transfer not in ("xpic", "fmpm"):
+        raise InputError(f"scheme.terms: {table.transfer} has no series; it belongs to xpic and fmpm")
+    return SCHEMES[table.order or interpolation.default_scheme](_transfer(table))
+
+
+def _transfer(table: SchemeTable) -> Transfer:
+    choice = TRANSFERS[table.transfer]
+    if choice is FLIP and table.blend is not None:
+        with naming("scheme.blend"):
+            return FLIP(table.blend)
+    if choice in (XPIC, FMPM) and table.terms is not None:
+        with naming("scheme.terms"):
+            return (XPIC if choice is XPIC else FMPM)(table.terms)
+    return choice()
 
 
 def make_timestep(table: TimeTable) -> TimeStep:

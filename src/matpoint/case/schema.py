@@ -57,14 +57,25 @@ class InterpolationTable(Table):
     hourglass: float | None = None
     stretch: str | None = None
     on_inversion: str | None = None
+    basis: Literal["linear", "bspline2", "bspline3"] | None = None
+    degree: int | None = None
+    velocity_degree: int | None = None
+    points: int | None = None
+    support: float | None = None
+    reproject: bool | None = None
+    tolerance: float | None = None
+    limit: float | None = None
+    raw: bool | None = None
+    basis_degree: int | None = None
 
 
 class SchemeTable(Table):
     """The order of stages and the velocity transfer."""
 
-    order: Literal["usl", "usf", "musl"] = "usl"
-    transfer: Literal["flip", "pic", "apic"] = "flip"
+    order: Literal["usl", "usf", "musl"] | None = None
+    transfer: Literal["flip", "pic", "apic", "xpic", "fmpm"] = "flip"
     blend: float | None = None
+    terms: int | None = None
 
 
 class PlaneTable(Table):

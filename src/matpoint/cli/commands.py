@@ -67,11 +67,11 @@ def _keep(inputs: Sequence[str | Path], folder: Path) -> None:
 
 
 def _only_problem(settings: Sequence[str]) -> None:
-    """Refuse settings that verify, which has its own methods and times, would pass over."""
+    """Refuse settings that verify and converge, with methods and times of their own, would pass over."""
     for setting in settings:
         if setting.split("=")[0].split(".")[0].strip() != "problem":
             raise InputError(
-                f"--set {setting!r}: verify runs the problem's own methods and times; set problem.*"
+                f"--set {setting!r}: the methods and times are the problem's own here; set problem.*"
             )
 
 
@@ -166,6 +166,53 @@ def verify(
 
 
 @app.command
+def converge(
+    case: str,
+    /,
+    *,
+    cells: Annotated[str | None, Parameter(name="--cells", help="Sizes, separated by commas.")] = None,
+    methods: Annotated[str | None, Parameter(name="--methods", help="Names, separated by commas.")] = None,
+    json_: Json = False,
+    set_: Settings = [],  # noqa: B006 (never changed)
+    out: Out = None,
+    force: Force = False,
+    fresh: Annotated[
+        bool, Parameter(name="--fresh", negative=(), help="Run again what earlier studies have kept.")
+    ] = False,
+) -> None:
+    """Run methods at several sizes of a manufactured problem; print errors, orders and cost.
+
+    Parameters
+    ----------
+    case
+        A case with a ``[problem]`` whose solution is manufactured: a TOML file or a bundled name.
+    """
+    from matpoint.cli.converging import read_problem, whole_numbers, write_all  # noqa: PLC0415 (slow to import)
+    from matpoint.output import prepare_folder  # noqa: PLC0415
+    from matpoint.output.summary import plain  # noqa: PLC0415
+    from matpoint.study import converge as run_study  # noqa: PLC0415
+
+    _only_problem(set_)
+    read = _load(case, set_, [])
+    problem = read_problem(read, case)
+    names = problem.chosen(None if methods is None else [m.strip() for m in methods.split(",")])
+    sizes = whole_numbers(cells)
+    folder = Path("results") / f"converge-{read.name}" if out is None and not json_ else out
+    if folder is not None:
+        _keep([case], folder)
+        prepare_folder(folder, force, ["figure-*.png", "converge.json", "settings.json", "table.txt"])
+    study = run_study(
+        problem, names, sizes, fresh=fresh, announce=lambda text: print(text, file=sys.stderr, flush=True)
+    )
+    if folder is not None:
+        write_all(study, folder)
+    if json_:
+        print(json.dumps(plain(study.json()), allow_nan=False))
+        return
+    print(study.tables())
+    print(f"\nfigures, table.txt, converge.json and settings.json in {folder}")
+
+
 def reproduce(
     paper: str,
     /,

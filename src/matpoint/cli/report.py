@@ -30,7 +30,8 @@ def listing() -> str:
     from matpoint.materials import MATERIALS  # noqa: PLC0415
     from matpoint.problems import PROBLEMS  # noqa: PLC0415
     from matpoint.quantities import QUANTITIES  # noqa: PLC0415
-    from matpoint.scheme import APIC, FLIP, PIC, SCHEMES  # noqa: PLC0415
+    from matpoint.scheme import SCHEMES  # noqa: PLC0415
+    from matpoint.transfers import TRANSFERS  # noqa: PLC0415
 
     cases = {name: tomllib.loads(text).get("title", "") for name, text in bundled_cases().items()}
     blocks = {
@@ -39,7 +40,7 @@ def listing() -> str:
         "interpolations": {name: _first_line(type(i)) for name, i in METHODS.items()},
         "materials": {name: _first_line(m) for name, m in MATERIALS.items()},
         "schemes": {name: _first_line(s) for name, s in SCHEMES.items()},
-        "transfers": {t.name: _first_line(t) for t in (FLIP, PIC, APIC)},
+        "transfers": {name: _first_line(t) for name, t in TRANSFERS.items()},
         "quantities (output.history)": {
             name: f"{q.description} [{q.unit}]" for name, q in QUANTITIES.items()
         },

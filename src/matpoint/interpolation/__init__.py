@@ -8,6 +8,8 @@ from matpoint.interpolation.cpdi import CPDI1, CPDI2
 from matpoint.interpolation.enriched import EnrichedCPDI2
 from matpoint.interpolation.gimp import CPGIMP, UGIMP
 from matpoint.interpolation.linear import Linear
+from matpoint.interpolation.reconstruction import IMLS, MLS, SplineIMLS
+from matpoint.interpolation.taylor import TLS
 
 #: Method name -> the interpolation with its default parameters.
 METHODS: dict[str, Interpolation] = {
@@ -21,6 +23,10 @@ METHODS: dict[str, Interpolation] = {
         CPDI1(),
         CPDI2(),
         EnrichedCPDI2(),
+        MLS(),
+        IMLS(),
+        SplineIMLS(),
+        TLS(),
     )
 }
 
@@ -28,10 +34,14 @@ __all__ = [
     "CPDI1",
     "CPDI2",
     "CPGIMP",
+    "IMLS",
     "METHODS",
+    "MLS",
+    "TLS",
     "UGIMP",
     "BSpline",
     "EnrichedCPDI2",
     "Interpolation",
     "Linear",
+    "SplineIMLS",
 ]

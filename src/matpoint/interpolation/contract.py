@@ -101,6 +101,25 @@ class Setting:
         return found
 
 
+@dataclass(frozen=True, eq=False)
+class Held:
+    """Conditions as a solve takes them; directions of one node are orthonormal.
+
+    Attributes
+    ----------
+    index : ndarray of int64, shape (c,)
+        Node records.
+    normal : ndarray, shape (c, 3)
+    before, after : ndarray, shape (c,)
+        Velocities [m/s] along them at both ends of the step.
+    """
+
+    index: np.ndarray
+    normal: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+
+
 class Mapping(ABC):
     """An interpolation bound to a grid and particles: transfers both ways.
 
@@ -109,6 +128,8 @@ class Mapping(ABC):
     """
 
     nodes: Nodes
+    particles: Particles
+    consistent: ClassVar[bool] = False  # True: the mass couples the nodes, and ``solve`` takes the conditions
 
     @property
     def vertices(self) -> Vertices | None:
@@ -145,6 +166,32 @@ class Mapping(ABC):
     @abstractmethod
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take up what ``state`` gave; the particles have been restored already."""
+
+    def round_trip(self, velocity: np.ndarray) -> np.ndarray:
+        """Return S+ S v: nodal velocities [m/s] brought to the particles and back, shape (records, 3).
+
+        Nodes and particles are left as they are, but for the next positions.
+        """
+        p, n = self.particles, self.nodes.records
+        kept, own = n.copy(), p.velocity
+        p.velocity = np.zeros_like(own)
+        n[:, :3], n[:, 4:7] = velocity, 0.0
+        self.to_particles(0.0, 0.0, move=True, differentiate=False)
+        n[:, :3] = 0.0
+        self.velocities_to_nodes()
+        mass = n[:, 3:4]
+        result = np.divide(n[:, :3], mass, out=np.zeros_like(velocity), where=mass > 0.0)
+        n[:], p.velocity = kept, own
+        return result
+
+    def velocities_to_nodes(self) -> None:
+        """Put momenta of the particles' velocities on nodes that have the masses already."""
+        self.nodes.clear()
+        self.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=False)
+
+    def solve(self, dt: float, rate: float, factor: float, held: Held) -> np.ndarray:
+        """Solve with a mass that couples the nodes; return the impulses [N s] along the held directions."""
+        raise TypeError("only a mapping with a consistent mass solves by itself")
 
     def points(self) -> np.ndarray:
         """Return the current positions [m] of all degrees of freedom, shape (records, 3)."""
@@ -189,6 +236,12 @@ class Interpolation(ABC):
     walls_only
         True if the field at a plane inside the grid is not one layer of nodes (B-splines):
         conditions on planes must then lie on the grid's faces.
+    default_scheme
+        Name of the scheme for a run that gives none.
+    consistent
+        True if its mass couples the nodes, so that XPIC and FMPM have nothing to improve.
+    affine
+        True if APIC's affine velocity can go with it.
     citation
         Keys of ``matpoint.citations``.
     """
@@ -197,7 +250,18 @@ class Interpolation(ABC):
     uses_vertices: ClassVar[bool] = False
     shares_corners: ClassVar[bool] = False
     walls_only: ClassVar[bool] = False
+    consistent: ClassVar[bool] = False
     citation: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def default_scheme(self) -> str:
+        """Name of the scheme for a run that gives none."""
+        return "usl"
+
+    @property
+    def affine(self) -> bool:
+        """Whether APIC's affine velocity can go with it."""
+        return not self.uses_vertices
 
     @property
     @abstractmethod

@@ -89,6 +89,34 @@ def nodes_to_particles(
                 gradient[p, a, 2] = lane(along_z, a)
 
 
+@kernel
+def mass_times(ax, ay, az, ny, nz, source, target, slabs, start, stop, pointer, order, x, mass):
+    """Add M source to target in every lane, with the consistent mass M_ij = sum_g phi_i phi_j m_g."""
+    for q in range(start, stop):
+        for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
+            p = order[r]
+            bx, wx, _ = row(ax, x[p, 0], 0.0)
+            by, wy, _ = row(ay, x[p, 1], 0.0)
+            bz, wz, _ = row(az, x[p, 2], 0.0)
+            value = zero()
+            for i in range(len(wx)):
+                for j in range(len(wy)):
+                    n = (((bx + i) * ny + by + j) * nz + bz) * 8
+                    line = zero()
+                    for k in range(len(wz)):
+                        line = fma(wz[k], load(source, n), line)
+                        n += 8
+                    value = fma(wx[i] * wy[j], line, value)
+            value = scale(mass[p], value)
+            for i in range(len(wx)):
+                for j in range(len(wy)):
+                    line = scale(wx[i] * wy[j], value)
+                    n = (((bx + i) * ny + by + j) * nz + bz) * 8
+                    for k in range(len(wz)):
+                        store(target, n, fma(wz[k], line, load(target, n)))
+                        n += 8
+
+
 @device
 def _inverse_spread(w, first, coordinates, x):
     """1 / sum w (x_i - x_p)^2 along one axis, or 0 where it vanishes (a missing axis, a hat at a node)."""

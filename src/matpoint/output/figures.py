@@ -30,6 +30,8 @@ _STYLES: dict[str, tuple[str, str, str]] = {
     "enriched-cpdi2": ("#009E73", "-", "*"),
     "mls": ("#7A5195", ":", "<"),
     "imls": ("#7A5195", "-", ">"),
+    "tls": ("#7A5195", "--", "p"),
+    "spline-imls": ("#C2185B", "-", "h"),
 }
 
 

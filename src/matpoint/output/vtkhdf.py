@@ -52,6 +52,20 @@ def _domain_fields(sim: Simulation, vertices: Vertices) -> dict[str, np.ndarray]
     }
 
 
+def _reconstruction_fields(sim: Simulation) -> dict[str, np.ndarray]:
+    """Rank and condition number in each particle's cell, in order of id, for methods that reconstruct."""
+    mapping: Any = sim.engine.mapping
+    if not hasattr(mapping, "by_cell"):
+        return {}
+    q, order = mapping.quadrature, np.argsort(sim.particles.id)
+    if sim.step == 0:  # nothing has been reconstructed yet
+        nothing = np.zeros(len(order))
+        return {"rank": nothing, "condition": nothing}
+    rank = mapping.by_cell(q.ranks, np.minimum)
+    condition = mapping.by_cell(np.minimum(q.conditions, 1e300), np.maximum)
+    return {"rank": rank[order], "condition": condition[order]}
+
+
 def _state_names(sim: Simulation) -> list[str]:
     """Names of state variables, if all materials that have any agree on them."""
     sets = {tuple(m.state_variables) for m in sim.materials if m.state_variables}
@@ -97,7 +111,7 @@ class VTKHDF:
         """Append the present state: data first, then the number of steps that counts it."""
         particles, cells = _fields(sim), {}
         if sim.vertices is None:
-            points, point_data = sim.particles.ordered("position"), particles
+            points, point_data = sim.particles.ordered("position"), particles | _reconstruction_fields(sim)
         else:
             v = sim.vertices
             points, cells = v.position, particles | _domain_fields(sim, v)

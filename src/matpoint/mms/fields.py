@@ -1,0 +1,184 @@
+"""All fields of a manufactured solution, as compiled functions of reference position and time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from matpoint.deformed import Start
+from matpoint.errors import InputError
+from matpoint.loads import BodyForce
+from matpoint.materials import Material
+from matpoint.mms.compiled import compiled
+from matpoint.mms.coordinates import COORDINATES, TIME
+from matpoint.mms.laws import first_piola
+
+_VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+_F = sp.Matrix(3, 3, sp.symbols("F:3:3", real=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Manufactured:
+    """The motion x = X + u(X, t) of a material, and the body force that makes it an exact solution.
+
+    Derivatives are symbolic. The force is b = (ρ0 u_tt - Div P)/ρ0 with Div P = (∂P/∂F) : ∂²u/∂X², where
+    ∂P/∂F is differentiated with respect to F itself, so that long displacements stay manageable.
+    Every function takes reference positions X (n, 3) [m] and a time [s].
+
+    Parameters
+    ----------
+    law
+        u(X, t) [m]: one, two or three sympy expressions of ``matpoint.mms.X, Y, Z, t``, or numbers; axes
+        that are not given do not move.
+    material
+        It gives density and stress.
+    first_piola
+        P(F) [Pa], a function of a 3 x 3 sympy matrix; None takes the material's own from ``LAWS``.
+
+    Raises
+    ------
+    InputError
+        If a component is no expression of the coordinates and time, or the material's P(F) is not known.
+    """
+
+    law: Sequence[Any]
+    material: Material
+    first_piola: Callable[[sp.Matrix], sp.Matrix] | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.law, str) or not 1 <= len(self.law) <= 3:
+            raise InputError("manufactured solution: the displacement must have 1 to 3 components")
+        allowed = {*COORDINATES[: self.dim], TIME}
+        for k, component in enumerate(self.law):
+            if not isinstance(component, sp.Expr | int | float):
+                raise InputError(
+                    f"manufactured solution: component {k} = {component!r} must be a sympy expression"
+                )
+            if isinstance(component, sp.Expr) and component.free_symbols - allowed:
+                names = ", ".join(sorted(str(s) for s in allowed))
+                raise InputError(
+                    f"manufactured solution: component {k} holds"
+                    f" {component.free_symbols - allowed}; only {names} of matpoint.mms are allowed"
+                )
+        _ = self._stress  # refuses what has no P(F)
+
+    @property
+    def dim(self) -> int:
+        """The dimension."""
+        return len(self.law)
+
+    # -- the symbolic part -------------------------------------------------------------------
+
+    @cached_property
+    def _u(self) -> list[sp.Expr]:
+        given = [u if isinstance(u, sp.Expr) else sp.Float(u) for u in self.law]
+        return given + [sp.Integer(0)] * (3 - self.dim)
+
+    @cached_property
+    def _gradient(self) -> sp.Matrix:
+        """F = I + ∂u/∂X."""
+        return sp.Matrix(3, 3, lambda i, j: sp.diff(self._u[i], COORDINATES[j]) + int(i == j))
+
+    @cached_property
+    def _known(self) -> dict[sp.Symbol, sp.Expr]:
+        """The components of F that are the same everywhere: mostly zeros and ones."""
+        pairs = zip(_F, self._gradient, strict=True)
+        return {symbol: value for symbol, value in pairs if value.is_number}
+
+    @cached_property
+    def _stress(self) -> sp.Matrix:
+        """P as a function of the symbols of F."""
+        F = _F.subs({s: v for s, v in self._known.items() if v == 0})
+        law = self.first_piola
+        return first_piola(self.material, F) if law is None else law(F)
+
+    @cached_property
+    def _hessian(self) -> dict[tuple[int, int, int], sp.Expr]:
+        """∂²u_i/∂X_J∂X_K with J <= K, those that are not zero."""
+        found = {}
+        for i in range(3):
+            for j in range(3):
+                for k in range(j, 3):
+                    value = sp.diff(self._gradient[i, j], COORDINATES[k])
+                    if value != 0:
+                        found[i, j, k] = value
+        return found
+
+    @cached_property
+    def _divergence(self) -> tuple[list[sp.Symbol], list[sp.Expr]]:
+        """Symbols of ∂²u/∂X², and Div P in terms of them and of F."""
+        symbols = {key: sp.Symbol("H{}{}{}".format(*key), real=True) for key in self._hessian}
+        rows = []
+        for i in range(3):
+            total: sp.Expr = sp.Integer(0)
+            for k, left, j in ((k, a, b) for k in range(3) for a in range(3) for b in range(3)):
+                second = symbols.get((k, min(left, j), max(left, j)))
+                if second is not None:
+                    total += sp.diff(self._stress[i, j], _F[k, left]) * second
+            rows.append(total.subs(self._known))
+        return list(symbols.values()), rows
+
+    # -- compiled functions ------------------------------------------------------------------
+
+    @cached_property
+    def _functions(self) -> dict[str, Callable[[Any, int], np.ndarray]]:
+        """Fields as functions of X, Y, Z, t."""
+        rate = [sp.diff(u, TIME) for u in self._u]
+        second = [*self._gradient, *self._hessian.values(), *(sp.diff(v, TIME) for v in rate)]
+        wanted = {"u": self._u, "v": rate, "F": list(self._gradient), "second": second}
+        return {name: compiled((*COORDINATES, TIME), rows) for name, rows in wanted.items()}
+
+    @cached_property
+    def _cauchy(self) -> Callable[[Any, int], np.ndarray]:
+        """σ = P Fᵀ/J as a function of F."""
+        sigma = self._stress * _F.T / _F.det()
+        return compiled(list(_F), [sigma[pair].subs(self._known) for pair in _VOIGT])
+
+    @cached_property
+    def _internal(self) -> Callable[[Any, int], np.ndarray]:
+        """Div P as a function of F and ∂²u/∂X²."""
+        symbols, rows = self._divergence
+        return compiled([*_F, *symbols], rows)
+
+    def _evaluate(self, name: str, X: np.ndarray, time: float) -> np.ndarray:
+        return self._functions[name]((X[:, 0], X[:, 1], X[:, 2], time), len(X))
+
+    def displacement(self, X: np.ndarray, time: float) -> np.ndarray:
+        """Return u [m], (n, 3)."""
+        return self._evaluate("u", X, time).T
+
+    def position(self, X: np.ndarray, time: float) -> np.ndarray:
+        """Return x = X + u [m], (n, 3)."""
+        return X + self.displacement(X, time)
+
+    def velocity(self, X: np.ndarray, time: float) -> np.ndarray:
+        """Return ∂u/∂t [m/s], (n, 3)."""
+        return self._evaluate("v", X, time).T
+
+    def deformation(self, X: np.ndarray, time: float) -> np.ndarray:
+        """Return F [-], (n, 3, 3)."""
+        return self._evaluate("F", X, time).T.reshape(-1, 3, 3)
+
+    def stress(self, X: np.ndarray, time: float) -> np.ndarray:
+        """Return the Cauchy stress [Pa], (n, 6): xx, yy, zz, xy, yz, xz."""
+        return self._cauchy(self._evaluate("F", X, time), len(X)).T
+
+    def body_force(self, X: np.ndarray, time: float) -> np.ndarray:
+        """Return b = (ρ0 u_tt - Div P)/ρ0 [m/s²], (n, 3)."""
+        found = self._evaluate("second", X, time)
+        return (found[-3:] - self._internal(found[:-3], len(X)) / self.material.density).T
+
+    # -- for runs ----------------------------------------------------------------------------
+
+    def load(self) -> BodyForce:
+        """Return the body force as a load."""
+        return BodyForce(lambda X, x, time: self.body_force(X, time))
+
+    def start(self, time: float = 0.0) -> Start:
+        """Return the exact start at a time [s], for a body."""
+        return Start(lambda X: self.position(X, time), lambda X: self.deformation(X, time))

@@ -1,0 +1,245 @@
+"""The base of the manufactured problems: exact start, body force, and errors against the exact fields."""
+
+from __future__ import annotations
+
+import time
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from matpoint.checks import not_negative, positive, whole
+from matpoint.errors import InputError, RunError, did_you_mean
+from matpoint.problem import Announce, Problem, Result
+from matpoint.problems.errors_track import FIELDS, ErrorTrack, sampling
+from matpoint.problems.sampler import Sampler
+
+if TYPE_CHECKING:
+    from matpoint.boundary import Condition
+    from matpoint.domains import Domains
+    from matpoint.grid import Grid
+    from matpoint.interpolation import Interpolation
+    from matpoint.mms import Manufactured
+    from matpoint.output.history import Probe
+    from matpoint.scheme import Scheme
+    from matpoint.simulation import Simulation
+    from matpoint.timestep import TimeStep
+
+
+@dataclass(frozen=True)
+class ManufacturedProblem(Problem):
+    """A run whose exact solution is known everywhere.
+
+    Parameters
+    ----------
+    cells
+        Grid cells along an axis.
+    per_cell
+        Particles per cell and axis.
+    amplitude
+        Of the solution; its unit is the solution's.
+    staggered
+        Velocities live half a step before positions, at the start and where they are compared, as
+        symplectic Euler keeps them: its error is then of second order in the step.
+    dt
+        Time step [s]; 0 takes the problem's own.
+    scheme
+        Order of a step's stages: "usl", "usf" or "musl"; "" takes USL, and MUSL for plain MPM: under USL it
+        turns a particle inside out long before the end on 64 cells.
+
+    Raises
+    ------
+    InputError
+        If one of them can't be.
+    """
+
+    cells: int = 32
+    per_cell: int = 2
+    amplitude: float = 0.1
+    staggered: bool = False
+    dt: float = 0.0
+    scheme: str = ""
+
+    #: Those of these that are there are run unless others are asked for; any other method may be.
+    methods: ClassVar[tuple[str, ...]] = (
+        "mpm", "ugimp", "cpgimp", "cpdi1", "cpdi2", "bspline2", "bspline3", "mls", "imls", "spline-imls",
+    )  # fmt: skip
+    norms: ClassVar[dict[str, str]] = {
+        f"{field}{part}": f"RMS error of {field} [{unit}] {when}"
+        for part, when in (("", "at the end"), ("_quarter", "at a quarter of it"), ("_max", "at its largest"))
+        for field, unit in FIELDS.items()
+    }
+    files: ClassVar[tuple[str, ...]] = ("figure-*.png", "errors.csv")
+    #: Cells of a convergence study.
+    sizes: ClassVar[tuple[int, ...]] = (8, 16, 32, 64)
+    #: The step [s] for up to ``coarse`` cells; its count up to the end is a multiple of 4.
+    longest: ClassVar[float]
+    coarse: ClassVar[int]
+
+    def __post_init__(self) -> None:
+        whole(f"{self.name}: cells", self.cells, 2)
+        whole(f"{self.name}: per_cell", self.per_cell)
+        positive(f"{self.name}: amplitude", self.amplitude)
+        not_negative(f"{self.name}: dt", self.dt)
+        if self.scheme not in ("", "usl", "usf", "musl"):
+            raise InputError(f'{self.name}: scheme = {self.scheme!r}; "usl", "usf" and "musl" are allowed')
+        if not isinstance(self.staggered, bool):
+            raise InputError(f"{self.name}: staggered = {self.staggered!r} must be true or false")
+        if abs(self.end / self.step / 4 - round(self.end / self.step / 4)) > 1e-6:
+            raise InputError(f"{self.name}: dt = {self.dt:g} s must go into a quarter of {self.end:g} s")
+
+    # -- what a subclass gives ---------------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def solution(self) -> Manufactured:
+        """The exact solution."""
+
+    @abstractmethod
+    def grid(self) -> Grid:
+        """Return the grid."""
+
+    @abstractmethod
+    def mesh(self) -> Domains:
+        """Return the domains of the particles in the reference configuration."""
+
+    @abstractmethod
+    def conditions(self) -> Sequence[Condition]:
+        """Return the conditions at the walls."""
+
+    # -- the run -----------------------------------------------------------------------------
+
+    @property
+    def step(self) -> float:  # type: ignore[override]
+        """The time step [s]."""
+        return self.dt or self.longest / -(-self.cells // self.coarse)
+
+    @property
+    def probes(self) -> tuple[Probe, ...]:
+        """No particle is singled out."""
+        return ()
+
+    def simulation(
+        self,
+        interpolation: Interpolation,
+        *,
+        scheme: Scheme | None = None,
+        timestep: TimeStep | None = None,
+        threads: int | None = None,
+    ) -> Simulation:
+        """Return the run on its exact start."""
+        import matpoint as mp  # noqa: PLC0415 (keeps the import of a case light)
+        from matpoint.timestep import FixedStep  # noqa: PLC0415
+
+        rule, early = FixedStep(self.step) if timestep is None else timestep, 0.0
+        if self.staggered:
+            if not isinstance(rule, FixedStep):
+                raise InputError(f"{self.name}: staggered velocities need a fixed step")
+            early = 0.5 * rule.dt
+        exact = self.solution
+        body = mp.Body(
+            self.mesh(), exact.material, start=exact.start(), velocity=lambda X: exact.velocity(X, -early),
+            name=self.name,
+        )  # fmt: skip
+        return mp.Simulation(
+            self.grid(), [body], interpolation=interpolation, timestep=rule,
+            scheme=self._scheme(interpolation) if scheme is None else scheme,
+            boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
+        )  # fmt: skip
+
+    def _scheme(self, interpolation: Interpolation) -> Scheme:
+        """The order of stages that was asked for, or the one in which the method lives longest."""
+        from matpoint.scheme import SCHEMES  # noqa: PLC0415 (keeps the import of a case light)
+
+        own = "musl" if interpolation.name == "mpm" else interpolation.default_scheme
+        return SCHEMES[self.scheme or own]()
+
+    def errors(self, sim: Simulation) -> np.ndarray:
+        """Return the RMS errors of displacement, velocity and stress as they are now (T 48), shape (3,)."""
+        p, exact = sim.particles, self.solution
+        X, now = p.position0, sim.time
+        before = now - 0.5 * sim.dt if self.staggered else now
+        gaps = (
+            p.position - exact.position(X, now),
+            p.velocity - exact.velocity(X, before),
+            p.stress - exact.stress(X, now),
+        )
+        # A tensor's norm counts each shear twice.
+        weight = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+        squares = [(g**2).sum(axis=1) for g in gaps[:2]] + [(gaps[2] ** 2) @ weight]
+        return np.sqrt([s.mean() for s in squares])
+
+    def track(self, interpolation: Interpolation, threads: int | None = None) -> ErrorTrack:
+        """Run a method to the end, or to where it fails, and return its errors over time.
+
+        Parameters
+        ----------
+        interpolation
+            The method.
+        threads
+            None takes all processors.
+        """
+        sim = self.simulation(interpolation, threads=threads)
+        sampler = Sampler(sampling(self.end, self.step), self.errors)
+        failed, began = None, time.perf_counter()
+        try:
+            sim.run(self.end, writers=[sampler])
+        except RunError as error:
+            failed = str(error)
+        wall = time.perf_counter() - began
+        return ErrorTrack(
+            sampler.times, sampler.values, self.end, failed, len(sim.particles) * sim.step, wall
+        )
+
+    def measure(self, track: ErrorTrack) -> dict[str, float]:
+        """Return the norms of a run; those that it did not reach are NaN."""
+        return track.norms()
+
+    def chosen(self, methods: Sequence[str] | None) -> tuple[str, ...]:
+        """Return the names to run; None takes those of ``methods`` that there are."""
+        from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
+
+        if methods is None:
+            return tuple(name for name in self.methods if name in METHODS)
+        for name in methods:
+            if name not in METHODS:
+                hint = did_you_mean(name, METHODS)
+                raise InputError(f"{self.name}: method {name!r}{hint}; {', '.join(METHODS)} are allowed")
+        if not methods:
+            raise InputError(f"{self.name}: no method given; {', '.join(METHODS)} are allowed")
+        return tuple(dict.fromkeys(methods))
+
+    def verify(
+        self,
+        methods: Sequence[str] | None = None,
+        out: Path | None = None,
+        progress: Announce | None = None,
+    ) -> Result:
+        """Run methods at the problem's own cells; into ``out`` go their errors over time."""
+        from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
+
+        names, tracks = self.chosen(methods), {}
+        for number, name in enumerate(names):
+            if progress is not None:
+                progress(name, number, len(names))
+            tracks[name] = self.track(METHODS[name])
+        if out is not None:
+            from matpoint.problems.errors_figure import write_errors  # noqa: PLC0415 (loads matplotlib)
+
+            write_errors(self.title, tracks, out)
+        return {name: self.measure(track) for name, track in tracks.items()}
+
+    def table(self, result: Result) -> str:
+        """Return the norms as aligned text, one line per method."""
+        width = max(len("method"), *(len(name) for name in result))
+        columns = {norm: max(11, len(norm) + 2) for norm in self.norms}
+        lines = ["method".ljust(width) + "".join(norm.rjust(w) for norm, w in columns.items())]
+        lines.append("-" * len(lines[0]))
+        for method, values in result.items():
+            numbers: Any = "".join(f"{values[norm]:{w}.3g}" for norm, w in columns.items())
+            lines.append(method.ljust(width) + numbers)
+        lines += ["", *(f"{norm:<{width + 10}}  {meaning}" for norm, meaning in self.norms.items())]
+        return "\n".join(lines)

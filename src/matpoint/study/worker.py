@@ -1,0 +1,71 @@
+"""One run of a study, and the loop of a worker process: a task in JSON a line, an answer in JSON a line."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import sys
+import warnings
+from typing import Any
+
+from matpoint.errors import InputError
+from matpoint.problems import PROBLEMS, ManufacturedProblem
+from matpoint.problems.errors_track import NORMS
+from matpoint.problems.sampler import Sampler
+
+_warm: set[tuple[str, str]] = set()
+
+
+def one_run(problem: ManufacturedProblem, method: str) -> dict[str, Any]:
+    """Run a method on a problem, on one thread; return its entry of the study.
+
+    Compiled code is loaded by two steps of another run first, so that ``wall_s`` is time of the run.
+    """
+    from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
+
+    interpolation = METHODS[method]
+    try:
+        if (problem.name, method) not in _warm:
+            first = problem.simulation(interpolation, threads=1)
+            first.run(2 * first.dt, writers=[Sampler(1, problem.errors)])
+            _warm.add((problem.name, method))
+        track = problem.track(interpolation, threads=1)
+    except (InputError, ArithmeticError, ValueError, MemoryError) as error:
+        return entry(problem.cells, failed=f"step 0: {type(error).__name__}: {error}")
+    return entry(problem.cells, problem.measure(track), track.particle_steps, track.wall, track.failed)
+
+
+def entry(
+    cells: int,
+    norms: dict[str, float] | None = None,
+    particle_steps: int = 0,
+    wall: float = 0.0,
+    failed: str | None = None,
+) -> dict[str, Any]:
+    """Return the entry of a run; norms that it did not reach are None."""
+    known = norms or {}
+    rows = {name: known.get(name) for name in NORMS}
+    finite = {k: v if v is not None and abs(v) < float("inf") else None for k, v in rows.items()}
+    return {
+        "cells": cells, **finite, "particle_steps": particle_steps, "wall_s": round(wall, 4),
+        "failed": failed,
+    }  # fmt: skip
+
+
+def task(problem: ManufacturedProblem, method: str) -> dict[str, Any]:
+    """Return what a worker needs to know."""
+    return {"problem": problem.name, "settings": dataclasses.asdict(problem), "method": method}
+
+
+def main() -> None:
+    """Answer tasks from the standard input until it closes."""
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # nothing else may come between the answers
+    warnings.simplefilter("ignore")
+    for line in sys.stdin:
+        given = json.loads(line)
+        problem: Any = PROBLEMS[given["problem"]]
+        found = one_run(problem(**given["settings"]), given["method"])
+        answers.write(json.dumps(found) + "\n")
+        answers.flush()
