@@ -133,10 +133,10 @@ def _stresses(problem: BimaterialRing, tracks: Mapping[str, RingTrack], referenc
 def draw_convergence(found: Mapping[str, list[Mapping[str, float]]], title: str) -> Any:
     """Return error against the size of a domain, a panel for each norm."""
     norms = [n for n in next(iter(found.values()))[0] if n not in ("layers", "scatter")]
+    sizes = [(OUTER - INNER) / entry["layers"] for entry in next(iter(found.values()))]
     figure, axes = new_figure(3.0 * len(norms) + 0.6, 3.6, 1, len(norms), share_y=False)
     for axis, norm in zip(axes, norms, strict=True):
         for name, entries in found.items():
-            sizes = [(OUTER - INNER) / entry["layers"] for entry in entries]
             axis.loglog(sizes, [entry[norm] for entry in entries], label=name, **method_style(name))
         axis.set_xticks(sizes, [f"{size:g}" for size in sizes])
         axis.minorticks_off()
