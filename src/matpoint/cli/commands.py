@@ -102,7 +102,6 @@ def run(
     folder = Path("results") / read.name if out is None else out
     _keep([case, *plugin, *([] if restart is None else [restart])], folder)
     simulation = build_simulation(read, threads)
-    said = len(simulation.notes)  # these came as warnings
     writers = build_writers(read, folder, simulation)
     if restart is not None:
         resume(simulation, restart)
@@ -111,10 +110,11 @@ def run(
                 f"restart: the checkpoint is at {simulation.time:g} s; time.end = {read.tables.time.end:g} s"
             )
     prepare_folder(folder, force, planned(writers))
+    said = [note for note in simulation.notes if note.startswith("time step: ")]  # came as a warning
     try:
         simulation.run(read.tables.time.end, writers, Progress(quiet))
     finally:
-        for note in simulation.notes[said:]:
+        for note in (n for n in simulation.notes if n not in said):
             print(f"note: {note}", file=sys.stderr)
     print(f"{read.name}: {simulation.step} steps to t = {simulation.time:g} s; results in {folder}")
 

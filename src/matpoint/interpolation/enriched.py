@@ -123,5 +123,10 @@ class EnrichedCPDI2(Interpolation):
             chosen = np.ones(count, dtype=bool)
         else:
             chosen = interface_vertices(corners, setting.particles.material, count)
+            if not chosen.any():
+                setting.notes.append(
+                    "enriched-cpdi2: no vertex lies between two materials, so none is enriched for it;"
+                    ' where = "all" or a region enriches others'
+                )
         chosen = np.flatnonzero(widen(chosen, corners, self.layers))
         return ConvectedVertices(setting, chosen, self.on_inversion, self.hourglass)
