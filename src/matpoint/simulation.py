@@ -15,7 +15,7 @@ from matpoint.boundary import Condition, Constraints
 from matpoint.checks import number, positive, whole
 from matpoint.combinations import check_arguments, refuse_combinations
 from matpoint.engine import Engine
-from matpoint.errors import InputError
+from matpoint.errors import InputError, naming
 from matpoint.face_loads import FaceLoad, FaceLoads
 from matpoint.fingerprint import identity
 from matpoint.grid import Grid
@@ -100,6 +100,10 @@ class Simulation:
         setting, materials = make_setting(grid, self.bodies, team)
         setting.held = self._held(setting, boundaries)
         face_loads = [load for load in loads if isinstance(load, FaceLoad)]
+        for place, load in enumerate(loads):
+            if isinstance(load, FaceLoad):
+                with naming(f"load {place} ({type(load).__name__})"):
+                    setting.faces_of(load.where)
         try:
             mapping = interpolation.bind(setting)
         except ParticleError as fault:
@@ -277,8 +281,11 @@ class Simulation:
     @staticmethod
     def _held(setting: Setting, boundaries: Sequence[Condition]) -> np.ndarray:
         """The vertices that conditions make degrees of freedom."""
-        places = [c.where for c in boundaries if isinstance(c.where, Surface | Corners)]
-        held = [setting.vertices_at(where) for where in places]
+        held = []
+        for place, condition in enumerate(boundaries):
+            if isinstance(condition.where, Surface | Corners):
+                with naming(f"boundary {place} ({type(condition).__name__})"):
+                    held.append(setting.vertices_at(condition.where))
         return np.unique(np.concatenate(held)) if held else np.zeros(0, dtype=np.int64)
 
     def _note_fallen(self, when: str) -> None:

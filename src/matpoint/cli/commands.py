@@ -29,6 +29,12 @@ Plugin = Annotated[
     Parameter(name="--plugin", negative=(), help="A Python file that registers materials. It is run."),
 ]
 Out = Annotated[Path | None, Parameter(name="--out", help="Output folder; default results/CASE.")]
+VerifyOut = Annotated[
+    Path | None, Parameter(name="--out", help="Output folder; default results/verify-CASE.")
+]
+PaperOut = Annotated[
+    Path | None, Parameter(name="--out", help="Output folder; default results/reproduce-PAPER.")
+]
 Threads = Annotated[int | None, Parameter(name="--threads", help="Number of threads; default all.")]
 Json = Annotated[
     bool,
@@ -127,7 +133,7 @@ def verify(
     json_: Json = False,
     set_: Settings = [],  # noqa: B006 (never changed)
     methods: Annotated[str | None, Parameter(name="--methods", help="Names, separated by commas.")] = None,
-    out: Out = None,
+    out: VerifyOut = None,
     force: Force = False,
 ) -> None:
     """Run a problem by all methods, and measure them against its reference.
@@ -170,7 +176,7 @@ def reproduce(
     paper: str,
     /,
     *,
-    out: Out = None,
+    out: PaperOut = None,
     force: Force = False,
     quick: Annotated[
         bool, Parameter(name="--quick", negative=(), help="Longer steps, fewer resolutions.")
