@@ -90,7 +90,10 @@ class Roller:
     def __post_init__(self) -> None:
         _check_place("roller", self.where)
         if self.normal is None and not isinstance(self.where, Plane):
-            raise InputError("roller: a region of nodes needs a normal, for instance normal = (1, 0)")
+            what = {Surface: "a surface needs", Corners: "corners need"}.get(
+                type(self.where), "a region of nodes needs"
+            )
+            raise InputError(f"roller: {what} a normal, for instance normal = (1, 0)")
         if self.normal is not None:
             _unit(self.normal)
 

@@ -7,7 +7,8 @@ Two kinds only: :class:`InputError` before anything has been computed or written
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 
 
 class MatpointError(Exception):
@@ -42,6 +43,16 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return " (did you mean ...?)" or nothing."""
     near = difflib.get_close_matches(word, list(known), n=1)
     return f" (did you mean {near[0]!r}?)" if near else ""
+
+
+@contextmanager
+def naming(where: str) -> Iterator[None]:
+    """Put a table and key before the message of what is refused inside, if they do not stand there yet."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error)
+        raise (error if text.startswith(where) else InputError(f"{where}: {text}")) from None
 
 
 class Terminated(KeyboardInterrupt):

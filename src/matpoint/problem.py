@@ -22,6 +22,14 @@ Result = dict[str, dict[str, float]]
 Announce = Callable[[str, int, int], None]
 
 
+_ROUND_OFF = 1e-8  # of a norm: what is 0 in truth
+
+
+def shown(value: float) -> str:
+    """Return a norm with four digits; round-off is 0."""
+    return "0" if abs(value) < _ROUND_OFF else f"{value:.4g}"
+
+
 class Problem(ABC):
     """A verification problem.
 
@@ -129,7 +137,7 @@ class Problem(ABC):
         lines = ["method".ljust(width) + "".join(norm.rjust(w) for norm, w in columns.items())]
         lines.append("-" * len(lines[0]))
         for method, values in result.items():
-            numbers = "".join(f"{values[norm]:{w}.4f}" for norm, w in columns.items())
+            numbers = "".join(f"{shown(values[norm]):>{w}}" for norm, w in columns.items())
             lines.append(method.ljust(width) + numbers)
         lines.append("")
         lines += [f"{norm.ljust(width)}  {meaning}" for norm, meaning in self.norms.items()]

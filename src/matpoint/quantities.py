@@ -112,7 +112,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "largest_aspect_ratio": Quantity(_largest_aspect_ratio, "-", "largest ratio of a domain's edges"),
     "fallen_domains": Quantity(
-        lambda sim: float(len(getattr(sim.engine.mapping, "fallen", ()))),
+        lambda sim: float(len(sim.fallen)),
         "-",
         "domains that fell back to CPDI1",
     ),

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from matpoint._version import __version__
 from matpoint.output.folder import claim
+from matpoint.problem import shown
 from matpoint.problems import BimaterialBar, BimaterialRing
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def _run(problem: Problem, prefix: str, out: Path, announce: Announce) -> Mappin
 def _markdown(title: str, rows: Mapping[str, Mapping[str, float]]) -> list[str]:
     norms = list(next(iter(rows.values())))
     lines = [f"## {title}", "", "| method | " + " | ".join(norms) + " |", "|---" * (len(norms) + 1) + "|"]
-    lines += [f"| {m} | " + " | ".join(f"{v[n]:.4g}" for n in norms) + " |" for m, v in rows.items()]
+    lines += [f"| {m} | " + " | ".join(shown(v[n]) for n in norms) + " |" for m, v in rows.items()]
     return [*lines, ""]
 
 
@@ -62,7 +63,7 @@ def _refine(
 
     announce(f"ring, stiff {ring.stiff} part, {', '.join(map(str, layers))} layers")
     found = ring.convergence(_CONVERGING, layers, 2.0 * ring.dt)
-    title = f"Ring, stiff {ring.stiff} part: errors over {layers} layers"
+    title = f"Ring, stiff {ring.stiff} part: errors over {', '.join(map(str, layers))} layers"
     save(draw_convergence(found, title), out / f"ring-{ring.stiff}-convergence.png")
     norms = list(ring.norms)
     lines = [

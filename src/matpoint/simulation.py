@@ -16,7 +16,7 @@ from matpoint.boundary import Condition, Constraints
 from matpoint.checks import number, positive, whole
 from matpoint.combinations import check_arguments, refuse_combinations
 from matpoint.engine import Engine
-from matpoint.errors import InputError
+from matpoint.errors import InputError, naming
 from matpoint.face_loads import FaceLoad, FaceLoads
 from matpoint.fingerprint import identity
 from matpoint.grid import Grid
@@ -38,6 +38,8 @@ from matpoint.transfers import APIC
 if TYPE_CHECKING:
     from matpoint.output.contract import Writer
     from matpoint.vertices import Vertices
+
+_FEW = 5  # ids that a note names
 
 
 class Simulation:
@@ -94,10 +96,16 @@ class Simulation:
         self.sort_every, self.sample_every = sort_every, sample_every
         refuse_combinations(self.dim, interpolation, self.scheme, boundaries, loads)
         self.notes: list[str] = []
+        self._fallen = ""  # the note of domains that fell back, and when the first did
+        self._fell = ""
         team = Team(threads)
         setting, materials = make_setting(grid, self.bodies, team)
         setting.held = self._held(setting, boundaries)
         face_loads = [load for load in loads if isinstance(load, FaceLoad)]
+        for place, load in enumerate(loads):
+            if isinstance(load, FaceLoad):
+                with naming(f"load {place} ({type(load).__name__})"):
+                    setting.faces_of(load.where)
         try:
             mapping = interpolation.bind(setting)
         except ParticleError as fault:
@@ -129,11 +137,18 @@ class Simulation:
         if deformed:
             self.sort()
         check_start(self)
+        self.notes += setting.notes
+        self._note_fallen("at the start")
         self.engine.dt = self._first_step()
         entry = take_entry(self.engine)
         self.ledger = Ledger(entry, entry)
 
     # -- what it is --------------------------------------------------------------------------
+
+    @property
+    def fallen(self) -> np.ndarray:
+        """Ids of the particles whose domains fell back to CPDI1 (``on_inversion``), the first one first."""
+        return self.particles.id[self.engine.mapping.fallen]
 
     @property
     def dim(self) -> int:
@@ -251,6 +266,7 @@ class Simulation:
             stage.run(engine)
         engine.step += 1
         engine.time += dt
+        self._note_fallen(f"in step {engine.step}")
         if engine.step % self.sample_every == 0:
             self.ledger.book(take_entry(engine))
 
@@ -271,9 +287,28 @@ class Simulation:
     @staticmethod
     def _held(setting: Setting, boundaries: Sequence[Condition]) -> np.ndarray:
         """The vertices that conditions make degrees of freedom."""
-        places = [c.where for c in boundaries if isinstance(c.where, Surface | Corners)]
-        held = [setting.vertices_at(where) for where in places]
+        held = []
+        for place, condition in enumerate(boundaries):
+            if isinstance(condition.where, Surface | Corners):
+                with naming(f"boundary {place} ({type(condition).__name__})"):
+                    held.append(setting.vertices_at(condition.where))
         return np.unique(np.concatenate(held)) if held else np.zeros(0, dtype=np.int64)
+
+    def _note_fallen(self, when: str) -> None:
+        """Keep one note of the domains that fell back so far; ``when`` is that of new ones."""
+        fallen = self.fallen
+        if len(fallen) == 0:
+            return
+        self._fell = self._fell or when
+        ids = ", ".join(str(k) for k in fallen[:_FEW]) + (", ..." if len(fallen) > _FEW else "")
+        what = "1 domain" if len(fallen) == 1 else f"{len(fallen)} domains"
+        text = (
+            f"on_inversion: {what} turned over and fell back to CPDI1, the first {self._fell}: particle {ids}"
+        )
+        if self._fallen in self.notes:
+            self.notes.remove(self._fallen)
+        self.notes.append(text)
+        self._fallen = text
 
     def _first_step(self) -> float:
         limit = stable_step(self)
@@ -332,5 +367,7 @@ class Simulation:
             int(scalars["step"]),
             float(scalars["dt"]),
         )
+        self._fell = ""
+        self._note_fallen(f"in or before step {engine.step}")
         entry = take_entry(engine)
         self.ledger = Ledger(entry, entry)

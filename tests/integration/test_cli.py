@@ -97,6 +97,35 @@ def test_bundled_cases_begin_well(name, tmp_path):
     assert ledger["worst_drift"]["mass"] < 1e-12 * ledger["start"]["mass"]
 
 
+@pytest.mark.parametrize(
+    ("name", "settings", "options"),
+    [
+        ("inclusion", [], "layers=2, where='interfaces', on_inversion='stop', hourglass=0.1"),
+        (
+            "inclusion",
+            ["interpolation.layers=0", "interpolation.hourglass=0.0"],
+            "layers=0, where='interfaces', on_inversion='stop', hourglass=0.0",
+        ),
+        (
+            "sphere-inclusion",
+            ["interpolation.hourglass=0.0"],
+            "layers=2, where='interfaces', on_inversion='stop', hourglass=0.0",
+        ),
+    ],
+)
+def test_a_problem_keeps_the_interpolation_of_the_case(name, settings, options, tmp_path):
+    given = [word for setting in settings for word in ("--set", setting)]
+    shown = matpoint("explain", name, *given, cwd=tmp_path).stdout
+    assert f"EnrichedCPDI2({options})" in shown
+    assert "<lambda>" not in shown
+    assert "<locals>" not in shown
+    assert "a function" in shown
+
+
+def test_help_says_where_results_go(tmp_path):
+    assert "results/reproduce-PAPER" in " ".join(matpoint("reproduce", "--help", cwd=tmp_path).stdout.split())
+
+
 def test_list_names_everything(tmp_path):
     shown = matpoint("list", cwd=tmp_path).stdout
     for name in (

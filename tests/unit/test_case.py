@@ -49,6 +49,15 @@ def test_every_bundled_case_builds_with_every_method(tmp_path):
             assert len(build_writers(case, tmp_path, sim)) >= 3
 
 
+def test_another_method_leaves_behind_options_that_it_does_not_have():
+    for name in ("inclusion", "sphere-inclusion"):
+        assert load(name).tables.interpolation.hourglass == 0.1
+        table = load(name, ["interpolation.method=cpdi2"]).tables.interpolation
+        assert (table.layers, table.hourglass) == (None, None)
+    with pytest.raises(mp.InputError, match=r"layers: cpdi2 has no such option"):
+        build_simulation(load("inclusion", ["interpolation.method=cpdi2", "interpolation.layers=1"]))
+
+
 SHAPES = """
 [grid]
 lower = [0.0, 0.0]

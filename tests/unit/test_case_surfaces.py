@@ -81,11 +81,23 @@ def test_corners_and_regions_to_enrich():
 @pytest.mark.parametrize(
     ("boundary", "load", "method", "message"),
     [
-        ('[[boundaries]]\nkind = "fixed"\nsurface = "iner"', "", "", "surface 'iner' does not exist"),
+        (
+            '[[boundaries]]\nkind = "fixed"\nsurface = "iner"',
+            "",
+            "",
+            r"^boundaries\.2 \(Fixed\): surface 'iner' does not exist",
+        ),
         ('[[boundaries]]\nkind = "fixed"', "", "", "give one of plane, region, surface, corners"),
         ('[[boundaries]]\nkind = "symmetry"\nsurface = "inner"', "", "", "symmetry needs a plane"),
-        ('[[boundaries]]\nkind = "roller"\nsurface = "inner"', "", "", "needs a normal"),
+        ('[[boundaries]]\nkind = "roller"\nsurface = "inner"', "", "", "a surface needs a normal"),
         ("", '[[loads]]\nkind = "pressure"\nvalue = 1.0', "", "needs surface"),
+        (
+            "",
+            '[[loads]]\nkind = "gravity"\nvalue = [0.0, 1.0]\n'
+            '[[loads]]\nkind = "pressure"\nsurface = "iner"\nvalue = 1.0',
+            "",
+            r"^loads\.1 \(Pressure\): surface 'iner' does not exist",
+        ),
         ("", '[[loads]]\nkind = "pressure"\nsurface = "inner"\nvalue = [1.0]', "", "one number"),
         ("", '[[loads]]\nkind = "traction"\nsurface = "inner"\nvalue = 1.0', "", "list of numbers"),
         ("", '[[loads]]\nkind = "traction"\nsurface = "inner"\nvalue = [1.0, 2.0, 3.0]', "", "2 axes"),
@@ -105,7 +117,7 @@ def test_corners_and_regions_to_enrich():
         ),
         ("", "", 'method = "enriched-cpdi2"\nwhere = "edges"', "where"),
         ("", "", 'method = "enriched-cpdi2"\nhourglass = 7.0', "hourglass"),
-        ("", "", 'method = "ugimp"\nlayers = 1', "ugimp has no such option"),
+        ("", "", 'method = "ugimp"\nlayers = 1', "it has none; use enriched-cpdi2"),
         ('[[boundaries]]\nkind = "fixed"\nsurface = "inner"', "", 'method = "bspline2"', "use cpdi2"),
     ],
 )
@@ -113,6 +125,13 @@ def test_what_is_refused(boundary, load, method, message):
     with pytest.raises(InputError, match=message) as caught:
         ring(boundary, load, method or 'method = "cpdi2"')
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("where", ["interfaces", "all"])
+def test_an_enrichment_of_nothing_is_noted(where):
+    notes = ring(method=f'method = "enriched-cpdi2"\nwhere = "{where}"').notes
+    assert [note for note in notes if "no vertex lies between two materials" in note] == notes
+    assert len(notes) == (where == "interfaces")
 
 
 def test_the_schema_knows_surfaces():

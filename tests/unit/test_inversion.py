@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 import matpoint as mp
+from matpoint.output.summary import Summary
 from runs import advance, two_blocks
 from support import gather_field
 
@@ -57,6 +60,31 @@ def test_falling_back_goes_on_counted_and_conserving(tmp_path, method, dim):
     again.restore({k: a.copy() for k, a in sim.state_arrays().items()}, sim.state_scalars())
     advance(sim, 5), advance(again, 5)
     np.testing.assert_array_equal(sim.particles.position, again.particles.position)
+
+
+def test_a_fallen_domain_is_reported(tmp_path):
+    from test_output import _read_vtk
+
+    sim, particle = _dented(mp.CPDI2(on_inversion="cpdi1"), 2)
+    name = int(sim.particles.id[particle])
+    assert len(sim.fallen) == 0
+    assert not sim.notes
+    sim.run(
+        sim.time + 2 * sim.dt,
+        [Summary(tmp_path / "summary.json"), mp.VTKHDF(tmp_path / "r.vtkhdf", mp.EverySteps(1))],
+    )
+    assert list(sim.fallen) == [name]
+    (note,) = sim.notes
+    assert "1 domain turned over" in note
+    assert note.endswith(f"the first in step 4: particle {name}")
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["fallen_domains"] == 1
+    assert summary["notes"] == [note]
+    flags = _read_vtk(tmp_path / "r.vtkhdf")[-1][-1]["cell", "fallen"]
+    assert list(np.flatnonzero(flags)) == [name]
+    again = two_blocks(mp.CPDI2(on_inversion="cpdi1"), 2)
+    again.restore({k: a.copy() for k, a in sim.state_arrays().items()}, sim.state_scalars())
+    assert again.notes == [note.replace("in step 4", "in or before step 5")]
 
 
 def test_identities_hold_with_a_fallen_domain():

@@ -224,6 +224,7 @@ def _refused(path, message, **options):
         ("m.msh", b" \n\n", "empty"),
         ("m.msh", b"solid\n", "not a Gmsh file"),
         ("m.msh", bytes(range(256)), "not a Gmsh file"),
+        ("m.msh", b"$NOD\n0\n$ENDNOD\n", "format 1; save it as 2.2 or 4.1"),
         ("m.msh", b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n0\n$EndNodes\n", "empty"),
         ("m.msh", b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Elements\n0\n$EndElements\n", "damaged"),
         (

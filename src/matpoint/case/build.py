@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from matpoint.body import Body
 from matpoint.case.conditions import make_condition
-from matpoint.case.describe import naming
 from matpoint.case.files import MeshFiles
 from matpoint.case.load import Case
 from matpoint.case.loads import make_damping, make_load
@@ -27,7 +26,7 @@ from matpoint.case.objects import (
 from matpoint.case.schema import BodyTable, CaseTable, ProblemTable
 from matpoint.case.shapes import FileMesh
 from matpoint.domains import Domains
-from matpoint.errors import InputError, did_you_mean
+from matpoint.errors import InputError, did_you_mean, naming
 from matpoint.grid import Grid
 from matpoint.materials import Material
 from matpoint.problems import PROBLEMS
@@ -133,6 +132,7 @@ def _simulation(tables: CaseTable, folder: Path | None, threads: int | None) -> 
 def _in_case(text: str) -> str:
     """Say where in the case it is, if a simulation says it in its own words."""
     text = re.sub(r"^boundary (\d+) \(", r"boundaries.\1 (", text)
+    text = re.sub(r"^load (\d+) \(", r"loads.\1 (", text)
     return f"time.step: {text}" if text.startswith("time step: dt") else text
 
 

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from matpoint.boundary import Condition, Fixed, PrescribedVelocity, Roller, Symmetry
-from matpoint.case.describe import naming
 from matpoint.case.objects import make_region
 from matpoint.case.schema import BoundaryTable, PlaneTable, SurfaceTable
-from matpoint.errors import InputError
+from matpoint.errors import InputError, naming
 from matpoint.expressions import Expression
 from matpoint.grid import Grid
 from matpoint.places import Corners, Plane, Surface

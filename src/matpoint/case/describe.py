@@ -6,8 +6,7 @@ import importlib
 import inspect
 import types
 import typing
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from typing import Any
 
 from pydantic import BaseModel, GetJsonSchemaHandler, ValidationError
@@ -25,16 +24,6 @@ _WANTED = {
 
 
 _MANY = 10  # names, beyond which the nearest says more than all of them
-
-
-@contextmanager
-def naming(where: str) -> Iterator[None]:
-    """Put a table and key before the message of what is refused inside, if they do not stand there yet."""
-    try:
-        yield
-    except InputError as error:
-        text = str(error)
-        raise (error if text.startswith(where) else InputError(f"{where}: {text}")) from None
 
 
 def choose(word: str, known: Iterable[str], where: str) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from matpoint.case.describe import first_problem
-from matpoint.case.schema import CaseTable
+from matpoint.case.schema import CaseTable, InterpolationTable
 from matpoint.errors import InputError, did_you_mean
 
 _LARGEST = 50_000_000  # bytes of a case file
@@ -103,6 +103,20 @@ def _override(content: dict[str, Any], setting: str) -> None:
             place = place[key]
 
 
+def _leave_behind(content: dict[str, Any], before: dict[str, Any], overrides: Sequence[str]) -> None:
+    """Drop the options of the file's method that another method, set by an override, does not have."""
+    table = content.get("interpolation")
+    if not before or not isinstance(table, dict) or table.get("method") == before.get("method"):
+        return
+    from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
+
+    chosen = METHODS.get(str(table.get("method")))
+    given = {setting.partition("=")[0].replace(" ", "") for setting in overrides}
+    for key in set(before) & set(InterpolationTable.model_fields) - {"method"}:
+        if chosen is not None and not hasattr(chosen, key) and f"interpolation.{key}" not in given:
+            table.pop(key, None)
+
+
 def check(content: dict[str, Any], where: str) -> CaseTable:
     """Return the tables of a case, given as TOML gives them.
 
@@ -128,7 +142,8 @@ def load(case: str, overrides: Sequence[str] = ()) -> Case:
         A file, or the name of a bundled case.
     overrides
         Settings as ``table.key=value``, values as in TOML or bare words; entries of lists by their
-        number from 0, for instance ``bodies.0.per_cell=3``.
+        number from 0, for instance ``bodies.0.per_cell=3``. Another ``interpolation.method`` leaves
+        behind the file's options that it does not have.
 
     Raises
     ------
@@ -137,6 +152,8 @@ def load(case: str, overrides: Sequence[str] = ()) -> Case:
     """
     name, text, folder = _read(str(case))
     content = _parse(text, f"case {case}")
+    before = dict(table) if isinstance(table := content.get("interpolation"), dict) else {}
     for setting in overrides:
         _override(content, setting)
+    _leave_behind(content, before, overrides)
     return Case(name, check(content, f"case {case}"), folder)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from matpoint.case.conditions import make_surface
-from matpoint.case.describe import naming
 from matpoint.case.schema import DampingTable, LoadTable
-from matpoint.errors import InputError
+from matpoint.errors import InputError, naming
 from matpoint.expressions import Expression, vector_field
 from matpoint.face_loads import FaceLoad, Pressure, Traction
 from matpoint.loads import BodyForce, Damping, Gravity, History, Load, LocalDamping, MassDamping, NoDamping

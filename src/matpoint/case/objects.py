@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from matpoint.case.describe import naming
 from matpoint.case.schema import (
     BodyTable,
     InterpolationTable,
@@ -28,7 +27,7 @@ from matpoint.case.shapes import (
     PolygonRegion,
 )
 from matpoint.domains import Domains, Kind
-from matpoint.errors import InputError, did_you_mean
+from matpoint.errors import InputError, did_you_mean, naming
 from matpoint.expressions import vector_field
 from matpoint.interpolation import METHODS, BSpline, Interpolation, Linear
 from matpoint.materials import MATERIALS, Material, material_from
@@ -125,9 +124,10 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
     allowed = [f.name for f in dataclasses.fields(choice) if f.name not in fixed]
     for key in options:
         if key not in allowed:
+            others = [name for name, m in METHODS.items() if key in {f.name for f in dataclasses.fields(m)}]
             raise InputError(
                 f"interpolation.{key}: {table.method} has no such option; it has"
-                f" {', '.join(allowed) or 'none'}"
+                f" {', '.join(allowed) or 'none'}; use {' or '.join(others)}"
             )
     with naming("interpolation"):
         if not isinstance(options.get("where", ""), str):

@@ -6,10 +6,10 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from matpoint.case.describe import choose, naming
+from matpoint.case.describe import choose
 from matpoint.case.load import Case
 from matpoint.case.schema import FigureTable, HistoryTable, TriggerTable
-from matpoint.errors import InputError
+from matpoint.errors import InputError, naming
 from matpoint.output import (
     VTKHDF,
     AtTimes,

@@ -29,6 +29,12 @@ Plugin = Annotated[
     Parameter(name="--plugin", negative=(), help="A Python file that registers materials. It is run."),
 ]
 Out = Annotated[Path | None, Parameter(name="--out", help="Output folder; default results/CASE.")]
+VerifyOut = Annotated[
+    Path | None, Parameter(name="--out", help="Output folder; default results/verify-CASE.")
+]
+PaperOut = Annotated[
+    Path | None, Parameter(name="--out", help="Output folder; default results/reproduce-PAPER.")
+]
 Threads = Annotated[int | None, Parameter(name="--threads", help="Number of threads; default all.")]
 Json = Annotated[
     bool,
@@ -102,7 +108,6 @@ def run(
     folder = Path("results") / read.name if out is None else out
     _keep([case, *plugin, *([] if restart is None else [restart])], folder)
     simulation = build_simulation(read, threads)
-    said = len(simulation.notes)  # these came as warnings
     writers = build_writers(read, folder, simulation)
     if restart is not None:
         resume(simulation, restart)
@@ -111,10 +116,11 @@ def run(
                 f"restart: the checkpoint is at {simulation.time:g} s; time.end = {read.tables.time.end:g} s"
             )
     prepare_folder(folder, force, planned(writers))
+    said = [note for note in simulation.notes if note.startswith("time step: ")]  # came as a warning
     try:
         simulation.run(read.tables.time.end, writers, Progress(quiet))
     finally:
-        for note in simulation.notes[said:]:
+        for note in (n for n in simulation.notes if n not in said):
             print(f"note: {note}", file=sys.stderr)
     print(f"{read.name}: {simulation.step} steps to t = {simulation.time:g} s; results in {folder}")
 
@@ -127,7 +133,7 @@ def verify(
     json_: Json = False,
     set_: Settings = [],  # noqa: B006 (never changed)
     methods: Annotated[str | None, Parameter(name="--methods", help="Names, separated by commas.")] = None,
-    out: Out = None,
+    out: VerifyOut = None,
     force: Force = False,
 ) -> None:
     """Run a problem by all methods, and measure them against its reference.
@@ -217,7 +223,7 @@ def reproduce(
     paper: str,
     /,
     *,
-    out: Out = None,
+    out: PaperOut = None,
     force: Force = False,
     quick: Annotated[
         bool, Parameter(name="--quick", negative=(), help="Longer steps, fewer resolutions.")

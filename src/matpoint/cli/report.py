@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+import re
 import tomllib
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,10 @@ from matpoint._version import __version__
 if TYPE_CHECKING:
     from matpoint.case import Case
     from matpoint.simulation import Simulation
+
+
+# What Python calls a lambda, or a function that was made inside another.
+_NAMELESS = re.compile(r"[\w.<>]*<(?:locals|lambda)>[\w.<>]*")
 
 
 def _first_line(thing: Any) -> str:
@@ -53,6 +58,9 @@ def explanation(case: Case, sim: Simulation) -> str:
     from matpoint.fingerprint import spelled  # noqa: PLC0415 (slow to import)
     from matpoint.timestep import stable_step  # noqa: PLC0415
 
+    def said(thing: Any) -> str:
+        return _NAMELESS.sub("a function", spelled(thing))
+
     v = sim.vertices
     sizes = f"{len(sim.particles)} particles, {sim.engine.mapping.nodes.on_grid} grid nodes"
     if v is not None:
@@ -61,11 +69,11 @@ def explanation(case: Case, sim: Simulation) -> str:
         "case": f"{case.name}: {case.tables.title}" if case.tables.title else case.name,
         "method": f"{sim.interpolation.name}, {sim.interpolation!r}",
         "scheme": f"{sim.scheme.name} with {sim.scheme.transfer!r}",
-        "materials": "; ".join(spelled(m) for m in sim.materials),
+        "materials": "; ".join(said(m) for m in sim.materials),
         "size": f"{sim.dim}-D, {sizes}",
-        "boundaries": "; ".join(spelled(c) for c in sim.boundaries) or "none",
-        "loads": "; ".join(spelled(load) for load in sim.loads) or "none",
-        "damping": spelled(sim.engine.damping),
+        "boundaries": "; ".join(said(c) for c in sim.boundaries) or "none",
+        "loads": "; ".join(said(load) for load in sim.loads) or "none",
+        "damping": said(sim.engine.damping),
         "step": f"dt = {sim.dt:.4g} s, stable up to {stable_step(sim):.4g} s",
     }
     return _block("what", head) + "\n\nstages of a step\n" + sim.explain()

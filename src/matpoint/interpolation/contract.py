@@ -49,6 +49,8 @@ class Setting:
         Vertices under conditions of their own: they are to be degrees of freedom.
     stiffness : ndarray, shape (n,)
         P-wave modulus rho c^2 [Pa] of each particle's material at rest.
+    notes : list of str
+        What the user should know of how an interpolation was bound.
     """
 
     grid: Grid
@@ -62,6 +64,7 @@ class Setting:
     facets: tuple[Facets, ...] = ()
     held: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     stiffness: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    notes: list[str] = field(default_factory=list)
 
     def faces_of(self, surface: Surface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return corners, sign and outer flag of the faces of a boundary set (see ``Facets``).
@@ -130,6 +133,7 @@ class Mapping(ABC):
     nodes: Nodes
     particles: Particles
     consistent: ClassVar[bool] = False  # True: the mass couples the nodes, and ``solve`` takes the conditions
+    fallen: np.ndarray = np.zeros(0, dtype=np.int64)  # internal indices of domains that fell back to CPDI1
 
     @property
     def vertices(self) -> Vertices | None:

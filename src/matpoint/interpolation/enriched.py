@@ -80,6 +80,10 @@ class EnrichedCPDI2(Interpolation):
 
     Notes
     -----
+    Take ``layers = 0`` for undamped dynamics, where more of them damp or slow short waves by an average
+    that depends on the time step. Take as many layers as make a cell on each side for quasi-static, damped
+    runs on curved interfaces.
+
     Measured with ``where="all"`` on a cantilever of 4 x 1 m that its weight bends by nearly its length:
     8 domains across turn over at the clamp with a strength below 0.1; the smallest corner Jacobian is
     0.33, 0.62, 0.65, 0.66 with 0.1, 0.2, 0.3, 0.43. Four domains across, bent by half its length: the tip's
@@ -123,5 +127,10 @@ class EnrichedCPDI2(Interpolation):
             chosen = np.ones(count, dtype=bool)
         else:
             chosen = interface_vertices(corners, setting.particles.material, count)
+            if not chosen.any():
+                setting.notes.append(
+                    "enriched-cpdi2: no vertex lies between two materials, so none is enriched for it;"
+                    ' where = "all" or a region enriches others'
+                )
         chosen = np.flatnonzero(widen(chosen, corners, self.layers))
         return ConvectedVertices(setting, chosen, self.on_inversion, self.hourglass)

@@ -139,6 +139,8 @@ def _check_file(path: Path, where: str) -> bool:
             raise InputError(f"{where}: it is not a VTU file (there is no <VTKFile> at its beginning)")
         return False
     version = re.search(rb"^\$MeshFormat\s+(\S+)", head, re.MULTILINE)
+    if head.startswith(b"$NOD"):
+        raise InputError(f"{where}: it has Gmsh's format 1; save it as 2.2 or 4.1 (Mesh.MshFileVersion)")
     if version is None:
         raise InputError(f"{where}: it is not a Gmsh file (there is no $MeshFormat at its beginning)")
     text = version[1].decode(errors="replace")

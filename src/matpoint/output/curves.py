@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matpoint.simulation import Simulation
 
 _SHARE = 1e-9  # of the largest value of the same unit: what is drawn as flat
+_DIGITS = 1e-6  # of a column's own size: what is drawn as flat, since labels of ticks stand in full
 _NATURAL = 1e-12  # of the run's own scale: what is drawn as flat if nothing else is there to compare
 
 
@@ -34,7 +35,8 @@ def natural_scales(sim: Simulation) -> dict[str, float]:
 def spans(history: Recorder, scales: dict[str, float]) -> dict[str, tuple[float, float] | None]:
     """Return for each column the limits of its axis, or None where matplotlib's own will do.
 
-    A span below round-off, against the columns of the same unit or the run's scale, is widened to it.
+    A span below round-off, against the columns of the same unit or the run's scale, is widened to it; so
+    is one below a millionth of the column's own values.
     """
     columns = history.columns[2:]
     largest: dict[str, float] = {}
@@ -47,6 +49,7 @@ def spans(history: Recorder, scales: dict[str, float]) -> dict[str, tuple[float,
         unit, values = history.units[column], history.array(column)
         values = values[np.isfinite(values)]
         floor = max(_SHARE * largest[unit], _NATURAL * scales.get(unit, 0.0))
+        floor = max(floor, _DIGITS * float(np.abs(values).max(initial=0.0)))
         low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
         middle = 0.5 * (low + high)
         limits[column] = (middle - floor, middle + floor) if high - low < floor else None
@@ -87,6 +90,7 @@ class HistoryFigure:
             axis.set_ylabel(f"{column}\n[{self.history.units[column]}]")
             if (limit := limits[column]) is not None and limit[0] < limit[1]:
                 axis.set_ylim(*limit)
+            axis.ticklabel_format(axis="y", useOffset=False)
         np.atleast_1d(axes)[-1].set_xlabel("time [s]")
         figure.align_ylabels()
         save(figure, self.path)

@@ -128,6 +128,7 @@ class Summary:
             "particles": len(sim.particles),
             "vertices": 0 if sim.vertices is None else len(sim.vertices),
             "enriched_vertices": 0 if sim.vertices is None else len(sim.vertices.enriched),
+            "fallen_domains": len(sim.fallen),
             "nodes": len(sim.engine.mapping.nodes.records),
             "materials": [spelled(m) for m in sim.materials],
             "time": sim.time,

@@ -45,7 +45,10 @@ def _fields(sim: Simulation) -> dict[str, np.ndarray]:
 def _domain_fields(sim: Simulation, vertices: Vertices) -> dict[str, np.ndarray]:
     """The shape of each domain, in order of id."""
     order = np.argsort(sim.particles.id)
+    fallen = np.zeros(len(sim.particles), dtype=np.uint8)
+    fallen[sim.fallen] = 1
     return {
+        "fallen": fallen,
         "corner_jacobian": corner_jacobians(vertices)[order],
         "aspect_ratio": aspect_ratios(vertices)[order],
         "domain_gap": domain_gaps(sim)[order],

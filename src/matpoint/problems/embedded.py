@@ -89,8 +89,8 @@ class Embedded(Problem):
 
         Cells of the grid are equal squares or cubes, 1.25 for each division along the plate's half-width,
         so two domains each at the interface. Where domains have no shared corners, the grid's nodes from
-        the far faces on are driven instead of the faces. Enrichment of interfaces takes at least the
-        problem's layers.
+        the far faces on are driven instead of the faces. The interpolation is taken as it is; see
+        :meth:`widened` for what verification takes.
         """
         import matpoint as mp  # noqa: PLC0415 (keeps the import of a case light)
 
@@ -107,7 +107,7 @@ class Embedded(Problem):
         return mp.Simulation(
             mp.Grid((-beyond,) * self.dim, (SIZE + cell,) * self.dim, cell),
             bodies,
-            interpolation=self.widened(interpolation),
+            interpolation=interpolation,
             scheme=mp.USL(mp.FLIP(0.99)) if scheme is None else scheme,
             timestep=mp.CFL(0.8, every=1000) if timestep is None else timestep,
             boundaries=[*planes, self._driven(interpolation.shares_corners)],
@@ -123,16 +123,12 @@ class Embedded(Problem):
         return mp.PrescribedVelocity(where, Ramp(self.exact.displacement, RISE).velocities(self.dim))
 
     def widened(self, interpolation: Interpolation) -> Interpolation:
-        """Return a method that enriches interfaces with the problem's layers and hourglass control."""
+        """Return a method as verification runs it: with the problem's layers, and hourglass control."""
         from matpoint.interpolation import EnrichedCPDI2  # noqa: PLC0415 (compiles)
 
         if not isinstance(interpolation, EnrichedCPDI2) or interpolation.where != "interfaces":
             return interpolation
-        return replace(
-            interpolation,
-            layers=max(self.layers, interpolation.layers),
-            hourglass=interpolation.hourglass or HOURGLASS,
-        )
+        return replace(interpolation, layers=self.layers, hourglass=HOURGLASS)
 
     def at_rest(self, method: str, divisions: int, interpolation: Interpolation | None = None) -> Field:
         """Return the stresses of a method on the mesh of the given divisions.
@@ -144,13 +140,13 @@ class Embedded(Problem):
         divisions
             Of an eighth of a circle.
         interpolation
-            Something else than the method's own choice.
+            Something else than the method as verification runs it; taken as it is.
         """
         from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
 
         if method == "fem":
             return elements(self.parts(divisions), list(self.moduli.values()), POISSON, self.exact)
-        chosen = METHODS[method] if interpolation is None else interpolation
+        chosen = self.widened(METHODS[method]) if interpolation is None else interpolation
         sim = self.simulation(chosen, divisions=divisions, threads=1 if self.dim == 2 else None)
         settle(sim, RISE, PASS, self.end)
         p, v = sim.particles, sim.vertices

@@ -53,6 +53,10 @@ def _table(
     return path
 
 
+def _title(problem: Embedded) -> str:
+    return f"{problem.title}, coated" if getattr(problem, "coated", False) else problem.title
+
+
 def _convergence(problem: Embedded, errors: Mapping[str, Sequence[dict[str, float]]]) -> Any:
     figure, axes = new_figure(10.5, 4.2, 1, len(_NORMS))
     sizes = 0.25 * np.pi / np.array(problem.ladder)
@@ -70,7 +74,7 @@ def _convergence(problem: Embedded, errors: Mapping[str, Sequence[dict[str, floa
         axis.set(title=label, xlabel="size of a domain at the interface [m]")
     axes[0].set_ylabel("relative error")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False)
-    figure.suptitle(f"{problem.title}: errors of stress under refinement")
+    figure.suptitle(f"{_title(problem)}: errors of stress under refinement")
     return figure
 
 
@@ -96,7 +100,7 @@ def _stress(problem: Embedded, finest: Mapping[str, Field]) -> Any:
     figure.colorbar(
         axes[-1].collections[0], ax=list(axes), label="von Mises stress [Pa]", shrink=0.85, extend="max"
     )
-    figure.suptitle(problem.title)
+    figure.suptitle(_title(problem))
     return figure
 
 

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matpoint.problems.ring_track import RingTrack
     from matpoint.reference.radial import RadialHistory
 
-_SHADES = ("#0072B2", "#E69F00")
+_SHADES = {"inner": "#0072B2", "outer": "#E69F00"}
+_LEFT_OUT = ("layers", "scatter")  # of the figure of convergence
 
 
 def write_ring(
@@ -51,10 +52,14 @@ def draw_meshes(problem: BimaterialRing, layers: tuple[int, ...] = (2, 4, 8, 16)
     low, high = 2.08, 2.32
     for axis, count in zip(figure.subplots(1, len(layers)), layers, strict=True):
         ring = replace(problem, layers=count, dim=2)
-        for mesh, colour in zip(ring.meshes(), _SHADES, strict=True):
+        for mesh, (part, colour) in zip(ring.meshes(), _SHADES.items(), strict=True):
             corners = mesh.vertices[mesh.cells][:, [0, 1, 2, 3, 0], :2]
             near = ((corners > low - 0.1) & (corners < high + 0.1)).all(axis=(1, 2))
-            axis.plot(*corners[near].transpose(2, 1, 0), color=colour, linewidth=0.7)
+            drawn = axis.plot(*corners[near].transpose(2, 1, 0), color=colour, linewidth=0.7)
+            drawn[0].set_label(f"{part} material")
+        angle = np.linspace(0.0, 0.5 * np.pi, 500)
+        x, y = INTERFACE * np.cos(angle), INTERFACE * np.sin(angle)
+        axis.plot(x, y, color="#000000", linewidth=1.1, label="interface")
         lines = np.arange(np.ceil(low / ring.cell), np.floor(high / ring.cell) + 1) * ring.cell
         axis.set(xticks=lines, yticks=lines)
         axis.set(xlim=(low, high), ylim=(low, high), aspect="equal")
@@ -62,6 +67,8 @@ def draw_meshes(problem: BimaterialRing, layers: tuple[int, ...] = (2, 4, 8, 16)
         axis.tick_params(labelbottom=False, labelleft=False, length=0)
         axis.set_title(f"{count} layers, {count * ring.around} domains", fontsize=9)
     figure.suptitle("Domains at 45 degrees, inner and outer material, and the grid", fontsize=11)
+    handles = figure.axes[0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 
@@ -104,15 +111,15 @@ def _stresses(problem: BimaterialRing, tracks: Mapping[str, RingTrack], referenc
     exact = [reference.stress_at(INTERFACE + gap)[:, 0, 0] for gap in (-half, half)]
     for number, (axis, name) in enumerate(zip(flat, names, strict=False)):
         track = tracks[name]
-        for label, values, colour in zip("BC", exact, ("#F7CBAA", "#AECDE6"), strict=True):
-            axis.plot(
-                1e3 * reference.times, values, color=colour, linewidth=3.0, label=f"reference at {label}"
-            )
         for label, row, colour in (
             ("B, inside the interface", track.sigma_b, "#D55E00"),
             ("C, outside", track.sigma_c, "#0072B2"),
         ):
             axis.plot(1e3 * track.times, row[:, track.middle], color=colour, linewidth=1.0, label=label)
+        # Thin and on top, so that both are seen: they lie close to each other.
+        for label, values, colour in zip("BC", exact, ("#000000", "#777777"), strict=True):
+            style = {"color": colour, "linewidth": 0.8, "dashes": (4, 3)}
+            axis.plot(1e3 * reference.times, values, label=f"reference at {label}", **style)
         axis.set_title(name, fontsize=10)
         if number % columns == 0:
             axis.set_ylabel("radial stress [Pa]")
@@ -122,7 +129,8 @@ def _stresses(problem: BimaterialRing, tracks: Mapping[str, RingTrack], referenc
     low, high = float(np.min(exact)), float(np.max(exact))
     flat[0].set(ylim=(low - 0.6 * (high - low), high + 0.6 * (high - low)))
     figure.suptitle(
-        f"Radial stress on both sides of r = {INTERFACE} m, at 45 degrees, stiff {problem.stiff} part",
+        f"Radial stress on both sides of r = {INTERFACE} m, single domains at 45 degrees,"
+        f" stiff {problem.stiff} part",
         fontsize=12,
     )
     handles = flat[0].get_legend_handles_labels()
@@ -131,19 +139,30 @@ def _stresses(problem: BimaterialRing, tracks: Mapping[str, RingTrack], referenc
 
 
 def draw_convergence(found: Mapping[str, list[Mapping[str, float]]], title: str) -> Any:
-    """Return error against the size of a domain, a panel for each norm."""
-    norms = [n for n in next(iter(found.values()))[0] if n not in ("layers", "scatter")]
-    sizes = [(OUTER - INNER) / entry["layers"] for entry in next(iter(found.values()))]
-    figure, axes = new_figure(3.0 * len(norms) + 0.6, 3.6, 1, len(norms), share_y=False)
-    for axis, norm in zip(axes, norms, strict=True):
-        for name, entries in found.items():
-            axis.loglog(sizes, [entry[norm] for entry in entries], label=name, **method_style(name))
-        axis.set_xticks(sizes, [f"{size:g}" for size in sizes])
-        axis.minorticks_off()
-        axis.set(title=norm, xlabel="domain [m]")
+    """Return error against the size of a domain, a panel for each norm, with lines of orders 1 and 2."""
+    entries = next(iter(found.values()))
+    norms = [n for n in entries[0] if n not in _LEFT_OUT]
+    sizes = np.array([(OUTER - INNER) / entry["layers"] for entry in entries])
+    rows = -(-len(norms) // 3)
+    figure, axes = new_figure(10.0, 3.0 * rows + 1.0, rows, 3, share_y=False)
+    flat = np.atleast_1d(axes).ravel()
+    for spare in flat[len(norms) :]:
+        spare.set_visible(False)
+    for axis, norm in zip(flat, norms, strict=False):
+        values = {name: np.array([entry[norm] for entry in runs]) for name, runs in found.items()}
+        for name, errors in values.items():
+            axis.loglog(sizes, errors, label=name, **method_style(name))
+        low = min(errors[-1] for errors in values.values())
+        for order, dashes in ((1, (5, 3)), (2, (2, 2))):
+            line = 0.6 * low * (sizes / sizes[-1]) ** order
+            axis.loglog(sizes, line, color="#999999", linewidth=0.9, dashes=dashes, label=f"order {order}")
+        axis.set_xticks(sizes, [f"{size:g}" for size in sizes], fontsize=8)
+        axis.set_xticks([], minor=True)
+        axis.tick_params(labelbottom=True)
+        axis.set(title=norm, ylabel="relative error", xlabel="domain [m]")
     figure.suptitle(title, fontsize=12)
-    handles = axes[0].get_legend_handles_labels()
-    figure.legend(*handles, loc="outside lower center", ncols=5, frameon=False)
+    handles = flat[0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=6, frameon=False)
     return figure
 
 

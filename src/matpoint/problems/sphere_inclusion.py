@@ -30,7 +30,7 @@ class SphereInclusion(Embedded):
     mesh
         ``"hex"``, or ``"tet"`` for a mesh of Gmsh's that comes with the package (needs the extra ``mesh``).
     layers
-        Enriched layers of domains on both sides, as in the problem ``inclusion``.
+        Enriched layers of domains on both sides when it is verified, as in the problem ``inclusion``.
 
     Raises
     ------
