@@ -50,7 +50,7 @@ def reading(found: Entries) -> list[str]:
         f"* CPDI keeps its order to {last} cells: {_errors(cpdi)}, orders {_orders(cpdi)}, fitted"
         f" {_slope(cpdi)}. The paper says that it loses it beyond 16 cells; ours does not.",
         f"* IMLS is of second order: {_errors(imls)}, fitted {_slope(imls)}. On {last} cells it stands at"
-        f" {imls[-1][_NORM] / cpdi[-1][_NORM]:.2f} of CPDI2's error: better on fine grids only, and not by much.",
+        f" {imls[-1][_NORM] / cpdi[-1][_NORM]:.2f} of CPDI2's error; on coarse ones above it.",
         f"* As the authors coded it (degree 1, one point, no re-projection): {_errors(coded)}, fitted"
         f" {_slope(coded)}: the same order with a larger error.",
         f"* As printed, with the velocities mapped once more (T 36): {_errors(printed)}, orders"
