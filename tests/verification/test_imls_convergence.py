@@ -78,7 +78,7 @@ def test_staggered_velocities_have_the_order_at_the_quarter_period_too():
 
 @pytest.mark.slow
 def test_third_order_in_two_dimensions():
-    """The prototype had 2.26e-5, 2.37e-6, 2.28e-7 m on 8, 16, 32 cells; the last takes a minute, so not here."""
+    """The prototype had 2.26e-5, 2.37e-6, 2.28e-7 m on 8, 16, 32 cells; the last takes a minute: not here."""
     choices = {"staggered": True, "dt": 5e-5}
     coarse, fine = (norms("mms-2d", "spline-imls", n, **choices)["displacement_quarter"] for n in (8, 16))
     assert coarse < 3e-5
