@@ -219,6 +219,7 @@ def converge(
     print(f"\nfigures, table.txt, converge.json and settings.json in {folder}")
 
 
+@app.command
 def reproduce(
     paper: str,
     /,
@@ -234,7 +235,8 @@ def reproduce(
     Parameters
     ----------
     paper
-        ``cpdi2``: the enriched CPDI2 paper, the bi-material bar and ring.
+        ``cpdi2``: the enriched CPDI2 paper, the bi-material bar and ring. ``imls``: the IMLS paper, its
+        polynomials and its convergence.
     """
     from matpoint.errors import did_you_mean  # noqa: PLC0415 (slow to import)
     from matpoint.output import prepare_folder  # noqa: PLC0415

@@ -7,29 +7,43 @@ import json
 import os
 import sys
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from matpoint.errors import InputError
 from matpoint.problems import PROBLEMS, ManufacturedProblem
 from matpoint.problems.errors_track import NORMS
 from matpoint.problems.sampler import Sampler
 
+if TYPE_CHECKING:
+    from matpoint.interpolation import Interpolation
+
 _warm: set[tuple[str, str]] = set()
 
 
 def one_run(problem: ManufacturedProblem, method: str) -> dict[str, Any]:
-    """Run a method on a problem, on one thread; return its entry of the study.
-
-    Compiled code is loaded by two steps of another run first, so that ``wall_s`` is time of the run.
-    """
+    """Run a method of ``METHODS`` on a problem, on one thread; return its entry of the study."""
     from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
 
-    interpolation = METHODS[method]
+    return run_choice(problem, METHODS[method], method)
+
+
+def run_choice(problem: ManufacturedProblem, interpolation: Interpolation, label: str) -> dict[str, Any]:
+    """Run an interpolation on a problem, on one thread; return its entry of the study.
+
+    Compiled code is loaded by two steps of another run first, so that ``wall_s`` is time of the run.
+
+    Parameters
+    ----------
+    problem, interpolation
+        What is run.
+    label
+        A name of its own for these options.
+    """
     try:
-        if (problem.name, method) not in _warm:
+        if (problem.name, label) not in _warm:
             first = problem.simulation(interpolation, threads=1)
             first.run(2 * first.dt, writers=[Sampler(1, problem.errors)])
-            _warm.add((problem.name, method))
+            _warm.add((problem.name, label))
         track = problem.track(interpolation, threads=1)
     except (InputError, ArithmeticError, ValueError, MemoryError) as error:
         return entry(problem.cells, failed=f"step 0: {type(error).__name__}: {error}")

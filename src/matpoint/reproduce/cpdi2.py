@@ -1,26 +1,20 @@
-"""Every figure of a paper, in one folder, with the settings used."""
+"""Figures 3 to 8 of the CPDI2 paper: the bi-material bar and ring."""
 
 from __future__ import annotations
 
 import dataclasses
-import json
-import platform
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from matpoint._version import __version__
 from matpoint.output.folder import claim
 from matpoint.problem import shown
 from matpoint.problems import BimaterialBar, BimaterialRing
+from matpoint.reproduce.tables import Announce, versions, write_all
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from matpoint.problem import Problem
-
-#: Told what is being run.
-Announce = Callable[[str], None]
 
 _LAYERS = (2, 4, 8, 16)
 _CONVERGING = ("cpdi1", "cpdi2", "enriched-cpdi2", "fem")
@@ -117,11 +111,5 @@ def reproduce_cpdi2(out: Path, announce: Announce, quick: bool = False) -> None:
         lines += [f"Norms of the {name}:", "", *(f"* `{k}`: {v}" for k, v in problem.norms.items()), ""]
     settings = {name: _settings(problem) for name, problem in {**bars, **rings}.items()}
     settings["convergence"] = {"layers": layers, "methods": _CONVERGING, "step": 2.0 * dt}
-    settings["versions"] = {"matpoint": __version__, "python": platform.python_version()}
-    for name, content in (("settings.json", settings), ("table.json", results)):
-        claim(out / name).write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-    claim(out / "table.md").write_text("\n".join(lines), encoding="utf-8")
-
-
-#: Name, as on the command line -> what makes the figures.
-PAPERS: dict[str, Callable[[Path, Announce, bool], None]] = {"cpdi2": reproduce_cpdi2}
+    settings["versions"] = versions()
+    write_all(out, settings, results, lines)
