@@ -15,7 +15,6 @@ from matpoint.engine import Engine
 from matpoint.errors import InputError
 from matpoint.transfers import APIC, FLIP, FMPM, XPIC, Transfer
 
-
 _FLIP = FLIP()
 
 

@@ -14,7 +14,9 @@ from matpoint.kernels.reconstruct import ROOM
 
 
 @device
-def _fit(near, n, columns, parent, axis, tolerance, at, offset, weight, basis, value, norm, shape, fields, out):
+def _fit(
+    near, n, columns, parent, axis, tolerance, at, offset, weight, basis, value, norm, shape, fields, out
+):
     """out[f] = sum_p phi(x_p) fields[p, f] at the place ``at`` (3), in cells from the centre; return rank."""
     fill_basis(n, columns, parent, axis, offset, basis)
     value[0] = 1.0
@@ -30,12 +32,12 @@ def _fit(near, n, columns, parent, axis, tolerance, at, offset, weight, basis, v
 
 
 @device
-def _keep_means(near, n, shares, volume_of_cell, mass, volume, fields, values):
+def _keep_means(near, n, shares, volume_of_cell, mass, volume, keep_stress, fields, values):
     """Shift the values at a cell's Gauss points so that its means are the particles' (Wobbes, section 3).
 
     The integral of the density is the particles' mass, those of density times velocity and body force are
-    their momentum and force, and the mean stress is theirs by volume. If a density is not positive then the
-    cell's is constant.
+    their momentum and force; with ``keep_stress`` the mean stress is theirs by volume. If a density is not
+    positive then the cell's is constant.
     """
     points = shares.shape[0]
     total, filled = 0.0, 0.0
@@ -51,7 +53,7 @@ def _keep_means(near, n, shares, volume_of_cell, mass, volume, fields, values):
     if least <= 0.0:
         for g in range(points):
             values[g, 0] = total / volume_of_cell
-    for f in range(1, fields.shape[1]):
+    for f in range(1 if keep_stress else 7, fields.shape[1]):
         wanted, found = 0.0, 0.0
         for j in range(n):
             p = near[j]
@@ -64,8 +66,8 @@ def _keep_means(near, n, shares, volume_of_cell, mass, volume, fields, values):
 
 @kernel
 def fields_in_cells(
-    start, stop, chosen, unit, shares, columns, parent, axis, tolerance, origin, inverse, size, cells,
-    x, mass, volume, order, pointer, fields, values, ranks,
+    start, stop, chosen, unit, shares, columns, parent, axis, tolerance, keep_stress, origin, inverse, size,
+    cells, x, mass, volume, order, pointer, fields, values, ranks,
 ):  # fmt: skip
     """Fields at the Gauss points of cells chosen[start:stop], with the cells' means kept.
 
@@ -103,7 +105,7 @@ def fields_in_cells(
                 )  # fmt: skip
         if n > 0:
             _keep_means(
-                near, n, shares, volume_of_cell, mass, volume, fields,
+                near, n, shares, volume_of_cell, mass, volume, keep_stress, fields,
                 values[q * points : (q + 1) * points],
             )  # fmt: skip
     return -1
