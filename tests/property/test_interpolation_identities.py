@@ -24,7 +24,7 @@ INTERPOLATIONS = [
     EnrichedCPDI2(where="all"),
 ]
 # Fields at Gauss points: mass, momentum and force are kept, first moments and work are not.
-CONSERVATIVE = [TLS(), TLS(BSpline(2), degree=2, points=3)]
+CONSERVATIVE = [TLS(), TLS(boxes=False), TLS(BSpline(2), degree=2, points=3)]
 
 
 def _cases(choices):

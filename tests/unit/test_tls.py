@@ -26,6 +26,7 @@ def _crowd(dim, rng, per_cell=4):
     p.velocity[:, :dim] = rng.normal(size=(n, dim))
     p.stress[:] = rng.normal(size=(n, 6))
     setting.particles = p
+    setting.domains_half = np.ones((n, 3)) * rng.uniform(0.05, 0.3, (n, 1))
     return setting
 
 
@@ -36,7 +37,7 @@ def _crowd(dim, rng, per_cell=4):
 def test_cells_keep_mass_momentum_force_and_mean_stress(dim, options):
     rng = np.random.default_rng(4)
     setting = _crowd(dim, rng)
-    mapping = bind(mp.TLS(**options), setting)
+    mapping = bind(mp.TLS(boxes=False, **options), setting)
     p, q = setting.particles, mapping.quadrature
     body = rng.normal(size=(len(p), 3))
     mapping.nodes.clear()
@@ -62,12 +63,41 @@ def test_cells_keep_mass_momentum_force_and_mean_stress(dim, options):
 
 
 @pytest.mark.parametrize("dim", [1, 2, 3])
+def test_boxes_count_for_the_cells_that_they_lie_in(dim):
+    """Shares by overlaps of intervals; what lies in no whole cell stays at its particle."""
+    rng = np.random.default_rng(8)
+    setting = _crowd(dim, rng)
+    p, grid = setting.particles, setting.grid
+    p.deformation_gradient[:] += rng.uniform(-0.3, 0.3, p.deformation_gradient.shape)
+    half = setting.domains_half * np.abs(np.einsum("pkk->pk", p.deformation_gradient))
+    mapping = bind(mp.TLS(), setting)
+    mapping.nodes.clear()
+    mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
+    q = mapping.quadrature
+    rest = np.ones(len(p))
+    for c in np.unique(q.cell):
+        share = np.ones(len(p))
+        for a, k in enumerate(np.unravel_index(c, tuple(mapping.cells.cells))[:dim]):
+            low, x, wide = grid.lower[a] + k * grid.cell[a], p.position[:, a], half[:, a]
+            length = np.minimum(x + wide, low + grid.cell[a]) - np.maximum(x - wide, low)
+            share *= np.maximum(length, 0.0) / (2 * wide)
+        rest -= share
+        at = np.flatnonzero(q.cell == c)
+        np.testing.assert_allclose(q.mass[at].sum(), share @ p.mass, atol=1e-12)
+        np.testing.assert_allclose(q.mass[at] @ q.velocity[at], (share * p.mass) @ p.velocity, atol=1e-12)
+    np.testing.assert_allclose(q.mass[len(q.cell) :], (rest * p.mass)[rest > 1e-14], atol=1e-12)
+    records = mapping.nodes.records
+    np.testing.assert_allclose(records[:, 3].sum(), p.mass.sum(), rtol=1e-13)
+    np.testing.assert_allclose(records[:, :3].sum(axis=0), p.mass @ p.velocity, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
 @pytest.mark.parametrize("degree", [1, 2])
 def test_fits_are_least_squares_but_for_the_mean(dim, degree):
     """Differences between the Gauss points of a cell, against NumPy's least squares."""
     rng = np.random.default_rng(9)
     setting = _crowd(dim, rng, 12)
-    mapping = bind(mp.TLS(degree=degree), setting)
+    mapping = bind(mp.TLS(degree=degree, boxes=False), setting)
     p, q, grid = setting.particles, mapping.quadrature, setting.grid
     mapping.nodes.clear()
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
@@ -98,7 +128,7 @@ def test_linear_stress_without_its_mean_and_constant_density_are_reproduced():
     p = setting.particles
     p.mass[:] = 3.0 * p.volume
     p.stress[:] = p.position[:, :1] * 2.0 - p.position[:, 1:2]
-    mapping = bind(mp.TLS(keep_stress=False), setting)
+    mapping = bind(mp.TLS(keep_stress=False, boxes=False), setting)
     mapping.nodes.clear()
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
     q = mapping.quadrature
@@ -121,7 +151,7 @@ def test_one_particle_in_a_cell_and_particles_on_a_line_lower_the_rank():
     p = setting.particles
     p.position[:, 1] = 0.2  # a single row of cells, all on one line
     p.volume[:] = 10.0
-    mapping = bind(mp.TLS(degree=2), setting)
+    mapping = bind(mp.TLS(degree=2, boxes=False), setting)
     mapping.nodes.clear()
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
     counts = np.bincount(mapping.cells.cell, minlength=len(mapping.cells.filled))[mapping.quadrature.cell]
@@ -134,6 +164,18 @@ def test_blocks_collide_and_the_grid_has_their_mass(dim):
     sim = advance(two_blocks(mp.TLS(), dim), 100)
     assert sim.quantity("grid_mass_error") < 1e-13
     assert np.isfinite(sim.particles.velocity).all()
+
+
+def test_sorting_and_a_restart_keep_each_particle_its_box():
+    def start():
+        return two_blocks(mp.TLS(), scheme=mp.MUSL(mp.XPIC(3)), sort_every=7)
+
+    straight, first, second = advance(start(), 40), advance(start(), 20), start()
+    arrays = {name: a.copy() for name, a in first.state_arrays().items()}
+    second.restore(arrays, first.state_scalars())
+    advance(second, 20)
+    for name in ("id", "position", "velocity", "stress"):
+        np.testing.assert_array_equal(getattr(straight.particles, name), getattr(second.particles, name))
 
 
 @pytest.mark.parametrize("transfer", [mp.FLIP(), mp.XPIC(3)])
@@ -162,6 +204,6 @@ def test_wrong_options_are_refused():
         {"tolerance": 1.0},
         {"basis": mp.UGIMP()},
     ]
-    for options in [*wrong, {"keep_stress": 1}]:
+    for options in [*wrong, {"keep_stress": 1}, {"boxes": 0}]:
         with pytest.raises(mp.InputError, match=f"TLS: {next(iter(options))}"):
             mp.TLS(**options)

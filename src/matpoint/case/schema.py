@@ -64,6 +64,7 @@ class InterpolationTable(Table):
     support: float | None = None
     reproject: bool | None = None
     keep_stress: bool | None = None
+    boxes: bool | None = None
     tolerance: float | None = None
     limit: float | None = None
     raw: bool | None = None
