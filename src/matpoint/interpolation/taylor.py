@@ -156,7 +156,8 @@ class TLS(Interpolation):
         l_k0 |F_kk| as in cpGIMP. Without, as in the paper, they count for the cell of their centre, and its
         mass jumps when one crosses: the order is then one.
     tolerance
-        A column is dropped when its orthogonal part squared is below this share of itself.
+        A column is dropped when its orthogonal part squared is below this share of itself. Cells have few
+        particles of their own, and no weights fade them out: hence more than for :class:`IMLS`.
     """
 
     basis: BoxInterpolation = _HATS
@@ -164,7 +165,7 @@ class TLS(Interpolation):
     points: int = 2
     keep_stress: bool = True
     boxes: bool = True
-    tolerance: float = 1e-8
+    tolerance: float = 1e-4
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "wobbes2019")
 
     def __post_init__(self) -> None:
