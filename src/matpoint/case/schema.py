@@ -63,6 +63,8 @@ class InterpolationTable(Table):
     points: int | None = None
     support: float | None = None
     reproject: bool | None = None
+    keep_stress: bool | None = None
+    boxes: bool | None = None
     tolerance: float | None = None
     limit: float | None = None
     raw: bool | None = None

@@ -132,6 +132,7 @@ class Mapping(ABC):
 
     nodes: Nodes
     particles: Particles
+    position_next: np.ndarray
     consistent: ClassVar[bool] = False  # True: the mass couples the nodes, and ``solve`` takes the conditions
     fallen: np.ndarray = np.zeros(0, dtype=np.int64)  # internal indices of domains that fell back to CPDI1
 
@@ -174,18 +175,23 @@ class Mapping(ABC):
     def round_trip(self, velocity: np.ndarray) -> np.ndarray:
         """Return S+ S v: nodal velocities [m/s] brought to the particles and back, shape (records, 3).
 
-        Nodes and particles are left as they are, but for the next positions.
+        Nodes, particles and where they are to go are left as they are.
         """
-        p, n = self.particles, self.nodes.records
-        kept, own = n.copy(), p.velocity
-        p.velocity = np.zeros_like(own)
+        p, n, v = self.particles, self.nodes.records, self.vertices
+        kept, own, ahead = n.copy(), p.velocity, self.position_next
+        p.velocity, self.position_next = np.zeros_like(own), np.zeros_like(own)
+        corners = None if v is None else v.position_next
+        if v is not None:
+            v.position_next = np.zeros_like(v.position_next)
         n[:, :3], n[:, 4:7] = velocity, 0.0
         self.to_particles(0.0, 0.0, move=True, differentiate=False)
         n[:, :3] = 0.0
         self.velocities_to_nodes()
         mass = n[:, 3:4]
         result = np.divide(n[:, :3], mass, out=np.zeros_like(velocity), where=mass > 0.0)
-        n[:], p.velocity = kept, own
+        n[:], p.velocity, self.position_next = kept, own, ahead
+        if v is not None and corners is not None:
+            v.position_next = corners
         return result
 
     def velocities_to_nodes(self) -> None:

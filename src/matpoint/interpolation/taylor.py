@@ -9,7 +9,7 @@ import numpy as np
 
 from matpoint.checks import instance, positive, whole
 from matpoint.errors import InputError
-from matpoint.interpolation.box import BoxInterpolation
+from matpoint.interpolation.box import BoxInterpolation, Slabs
 from matpoint.interpolation.bspline import BSpline
 from matpoint.interpolation.contract import Interpolation, Mapping, Setting
 from matpoint.interpolation.linear import Linear
@@ -17,15 +17,27 @@ from matpoint.interpolation.quadrature import Quadrature, Solver, refuse_crowds
 from matpoint.interpolation.reconstructed import ReconstructedMapping
 from matpoint.interpolation.reconstruction import monomials
 from matpoint.kernels.reconstruct import MODES
-from matpoint.kernels.taylor import fields_in_cells
+from matpoint.kernels.taylor import fields_in_cells, sum_in_cells
 from matpoint.particles import Particles
 
 _HATS = Linear()
 _HIGHEST = 3
+_SLIVER = 1e-14  # share of a particle that rounding may leave over
 
 
 class TaylorQuadrature(Quadrature):
-    """Gauss points with a polynomial for each cell; whole cells without particles are empty."""
+    """Gauss points with a polynomial for each cell; whole cells without particles are empty.
+
+    Attributes
+    ----------
+    keep_stress : bool
+        As for :class:`TLS`.
+    half : ndarray, shape (n, 3) or (1, 3)
+        Half-lengths [m] of the particles' boxes, zeros for particles as points.
+    """
+
+    keep_stress = True
+    half = np.zeros((1, 3))
 
     def evaluate(self, particles: Particles, body: np.ndarray, with_velocity: bool) -> None:
         p, c = particles, self._list
@@ -34,18 +46,41 @@ class TaylorQuadrature(Quadrature):
         values = np.empty((len(self._gauss), fields.shape[1]))
         counts, parent, axis = self._monomials
         chosen = self.cell[:: len(self._unit)]
+        slot = np.full(len(c.filled), -1)
+        slot[chosen] = np.arange(len(chosen))
+        totals, covered = np.zeros((len(chosen), 14)), np.empty(len(p))
+        sum_in_cells(
+            p.position,
+            self.half,
+            p.mass,
+            p.volume,
+            fields,
+            slot,
+            c.origin,
+            c.inverse,
+            c.cells,
+            totals,
+            covered,
+        )
         found = self._team.split(
             len(chosen),
             lambda a, b: fields_in_cells(
                 a, b, chosen, self._unit, self._shares, counts[-1], parent, axis, self._solver.tolerance,
-                c.origin, c.inverse, c.size, c.cells, p.position, p.mass, p.volume, c.order, c.pointer,
-                fields, values, self.ranks,
+                self.keep_stress, c.origin, c.inverse, c.size, c.cells, p.position, c.order, c.pointer,
+                fields, totals, values, self.ranks,
             ),
         )  # fmt: skip
         refuse_crowds(found, c)
-        k = self.cut
-        self.mass = np.concatenate([values[:, 0] * self._volume, p.mass[k]])
-        self.volume = np.concatenate([self._volume, p.volume[k]])
+        self._add_points(particles, values, own, 1.0 - covered)
+
+    def _add_points(self, p: Particles, values: np.ndarray, own: np.ndarray, rest: np.ndarray) -> None:
+        """Put Gauss points and particles together; these carry what went to no cell."""
+        k = np.flatnonzero(rest > _SLIVER)
+        self.position = np.concatenate([self._gauss, p.position[k]])
+        self.slabs = Slabs(self._nodes, np.arange(len(self.position)))
+        self.slabs.renew(self.position)
+        self.mass = np.concatenate([values[:, 0] * self._volume, rest[k] * p.mass[k]])
+        self.volume = np.concatenate([self._volume, rest[k] * p.volume[k]])
         self.stress = np.concatenate([values[:, 1:7], p.stress[k]])
         self.body = np.concatenate([values[:, 7:10], own[k]])
         self.velocity = np.concatenate([values[:, 10:], p.velocity[k]])
@@ -55,6 +90,8 @@ class TaylorMapping(ReconstructedMapping):
     """Mass, momentum and forces of the cells' polynomials to the nodes, by the basis alone."""
 
     quadrature_kind = TaylorQuadrature
+    quadrature: TaylorQuadrature
+    boxes: np.ndarray | None = None  # half-lengths [m] of the initial domains, if they count
 
     @property
     def ranks(self) -> np.ndarray:
@@ -63,6 +100,25 @@ class TaylorMapping(ReconstructedMapping):
     @property
     def conditions(self) -> np.ndarray:
         return self.quadrature.conditions
+
+    def before(self) -> None:
+        if self.boxes is not None:
+            F = self.particles.deformation_gradient
+            self.quadrature.half = self.boxes * np.abs(np.einsum("pkk->pk", F))
+        super().before()
+
+    def permute(self, order: np.ndarray) -> None:
+        super().permute(order)
+        if self.boxes is not None:
+            self.boxes = np.ascontiguousarray(self.boxes[order])
+
+    def state(self) -> dict[str, np.ndarray]:
+        return super().state() | ({} if self.boxes is None else {"boxes": self.boxes})
+
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        super().restore(arrays)
+        if self.boxes is not None:
+            self.boxes = np.array(arrays["boxes"])
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         self.quadrature.evaluate(self.particles, body, with_velocity=True)
@@ -78,26 +134,38 @@ class TLS(Interpolation):
 
     The fit's mean over the cell is replaced by the particles': the density integrates to their mass, density
     times velocity to their momentum, density times body force to their force, so that all three are exact
-    on the grid; the mean stress is theirs by volume. Cells that are not whole are integrated at their
-    particles, as MPM does. Since particles count for the cell of their centre, the mass of a cell jumps
-    when one crosses: stress errors of MPM go, errors of the mass remain.
+    on the grid. What goes to no whole cell is integrated at its particle, as MPM does. What FLIP hands to
+    the particles is weighed by their own masses at the nodes, so that their momentum is kept only as far as
+    those agree. Velocity errors of the manufactured bar on 64 and 128 cells: 0.14 and 0.069; with
+    ``boxes = False`` 0.41 and 0.21, by IMLS, which conserves nothing, 0.11 and 0.026.
 
     Parameters
     ----------
     basis
         The grid's functions: ``Linear()`` or ``BSpline(2)``, ``BSpline(3)``.
     degree
-        Of the polynomials, 0 to 3; few particles, or particles on a line, lower it by themselves.
+        Of the polynomials, 0 to 3; few particles, or particles on a line, lower it by themselves. The
+        manufactured bar gains nothing from 2.
     points
         Gauss points per cell and axis.
+    keep_stress
+        Keep the particles' mean stress, by volume, as well. Necessary with ``boxes = False``, where its error
+        as particles cross goes along with that of the mass; with boxes fine grids gain without it.
+    boxes
+        Particles count for each cell with the share of their box that lies there, with half-lengths
+        l_k0 |F_kk| as in cpGIMP. Without, as in the paper, they count for the cell of their centre, and its
+        mass jumps when one crosses: the order is then one.
     tolerance
-        A column is dropped when its orthogonal part squared is below this share of itself.
+        A column is dropped when its orthogonal part squared is below this share of itself. Cells have few
+        particles of their own, and no weights fade them out: hence more than for :class:`IMLS`.
     """
 
     basis: BoxInterpolation = _HATS
-    degree: int = 2
+    degree: int = 1
     points: int = 2
-    tolerance: float = 1e-8
+    keep_stress: bool = True
+    boxes: bool = True
+    tolerance: float = 1e-4
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "wobbes2019")
 
     def __post_init__(self) -> None:
@@ -106,6 +174,9 @@ class TLS(Interpolation):
             raise InputError(f"TLS: degree = {self.degree!r} must be from 0 to {_HIGHEST}")
         if whole("TLS: points", self.points) > 4:
             raise InputError(f"TLS: points = {self.points!r} must be from 1 to 4")
+        for name in ("keep_stress", "boxes"):
+            if not isinstance(getattr(self, name), bool):
+                raise InputError(f"TLS: {name} = {getattr(self, name)!r} must be true or false")
         if not positive("TLS: tolerance", self.tolerance) < 1:
             raise InputError(f"TLS: tolerance = {self.tolerance!r} must be below 1")
 
@@ -122,4 +193,8 @@ class TLS(Interpolation):
         axes = [self.basis.axis(grid, k) for k in range(grid.dim)]
         fields = monomials(grid.dim, self.degree)
         solver = Solver(MODES["imls"], self.tolerance, np.inf)
-        return TaylorMapping(setting, axes, solver, fields, fields, 1.0, self.points)
+        mapping = TaylorMapping(setting, axes, solver, fields, fields, 1.0, self.points)
+        mapping.quadrature.keep_stress = self.keep_stress
+        if self.boxes:
+            mapping.boxes = setting.domains_half.copy()
+        return mapping

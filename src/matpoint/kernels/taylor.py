@@ -31,48 +31,79 @@ def _fit(
     return rank
 
 
+@kernel
+def sum_in_cells(x, half, mass, volume, fields, slot, origin, inverse, cells, totals, covered):
+    """Add up what cells hold: mass, volume, and each field by mass or, the stress, by volume.
+
+    A particle counts for a cell with the share of its box, of half-lengths ``half`` [m], that lies there;
+    with none, (1, 3) of zeros, for that of its centre. ``slot`` is the row of ``totals`` of each cell, or -1;
+    ``covered`` (n,) is the share of each particle that went to such cells.
+    """
+    first, last = np.empty(3, np.int64), np.empty(3, np.int64)
+    for p in range(x.shape[0]):
+        h = p if half.shape[0] > 1 else 0
+        for a in range(3):
+            low, high = x[p, a] - half[h, a] - origin[a], x[p, a] + half[h, a] - origin[a]
+            first[a] = min(max(int(np.floor(low * inverse[a])), 0), cells[a] - 1)
+            last[a] = min(max(int(np.floor(high * inverse[a])), 0), cells[a] - 1)
+        covered[p] = 0.0
+        for i in range(first[0], last[0] + 1):
+            for j in range(first[1], last[1] + 1):
+                for k in range(first[2], last[2] + 1):
+                    q = slot[(i * cells[1] + j) * cells[2] + k]
+                    if q < 0:
+                        continue
+                    share = 1.0
+                    for a in range(3):
+                        if half[h, a] > 0.0 and inverse[a] > 0.0:
+                            n = i if a == 0 else (j if a == 1 else k)
+                            low = max(x[p, a] - half[h, a], origin[a] + n / inverse[a])
+                            high = min(x[p, a] + half[h, a], origin[a] + (n + 1) / inverse[a])
+                            share *= max(0.0, high - low) / (2.0 * half[h, a])
+                    covered[p] += share
+                    m, v = share * mass[p], share * volume[p]
+                    totals[q, 0] += m
+                    totals[q, 13] += v
+                    for f in range(1, 13):
+                        totals[q, f] += (v if f < 7 else m) * fields[p, f]
+
+
 @device
-def _keep_means(near, n, shares, volume_of_cell, mass, volume, fields, values):
+def _keep_means(totals, shares, volume_of_cell, keep_stress, values):
     """Shift the values at a cell's Gauss points so that its means are the particles' (Wobbes, section 3).
 
     The integral of the density is the particles' mass, those of density times velocity and body force are
-    their momentum and force, and the mean stress is theirs by volume. If a density is not positive then the
-    cell's is constant.
+    their momentum and force; with ``keep_stress`` the mean stress is theirs by volume. If a density is not
+    positive then the cell's is constant.
     """
-    points = shares.shape[0]
-    total, filled = 0.0, 0.0
-    for j in range(n):
-        total += mass[near[j]]
-        filled += volume[near[j]]
+    points, mass = shares.shape[0], totals[0]
     found, least = 0.0, 1.0
     for g in range(points):
         found += shares[g] * values[g, 0]
     for g in range(points):
-        values[g, 0] += (total - found) / volume_of_cell
+        values[g, 0] += (mass - found) / volume_of_cell
         least = min(least, values[g, 0])
     if least <= 0.0:
         for g in range(points):
-            values[g, 0] = total / volume_of_cell
-    for f in range(1, fields.shape[1]):
-        wanted, found = 0.0, 0.0
-        for j in range(n):
-            p = near[j]
-            wanted += fields[p, f] * (volume[p] / filled if f < 7 else mass[p] / total)
+            values[g, 0] = mass / volume_of_cell
+    for f in range(1 if keep_stress else 7, 13):
+        wanted, found = totals[f] / (totals[13] if f < 7 else mass), 0.0
         for g in range(points):
-            found += shares[g] * values[g, f] * (1.0 / volume_of_cell if f < 7 else values[g, 0] / total)
+            found += shares[g] * values[g, f] * (1.0 / volume_of_cell if f < 7 else values[g, 0] / mass)
         for g in range(points):
             values[g, f] += wanted - found
 
 
 @kernel
 def fields_in_cells(
-    start, stop, chosen, unit, shares, columns, parent, axis, tolerance, origin, inverse, size, cells,
-    x, mass, volume, order, pointer, fields, values, ranks,
+    start, stop, chosen, unit, shares, columns, parent, axis, tolerance, keep_stress, origin, inverse, size,
+    cells, x, order, pointer, fields, totals, values, ranks,
 ):  # fmt: skip
     """Fields at the Gauss points of cells chosen[start:stop], with the cells' means kept.
 
     ``unit`` (g, 3) are the points of the unit cell, ``shares`` (g,) their volumes; ``values`` (cells * g,
-    fields), ``ranks`` alike. A cell without particles gets zeros. Return the first cell with more than
+    fields), ``ranks`` alike. ``totals`` are those of ``sum_in_cells``; a cell without any gets zeros, one
+    without a centre constants. Return the first cell with more than
     ``ROOM`` particles, or -1.
     """
     points, width = unit.shape[0], fields.shape[1]
@@ -103,9 +134,6 @@ def fields_in_cells(
                     near, n, columns, parent, axis, tolerance, at, offset, weight, basis, value, norm, shape,
                     fields, values[q * points + g],
                 )  # fmt: skip
-        if n > 0:
-            _keep_means(
-                near, n, shares, volume_of_cell, mass, volume, fields,
-                values[q * points : (q + 1) * points],
-            )  # fmt: skip
+        if totals[q, 0] > 0.0:
+            _keep_means(totals[q], shares, volume_of_cell, keep_stress, values[q * points : (q + 1) * points])
     return -1
