@@ -97,3 +97,20 @@ def test_one_particle_a_cell_or_random_ones_run(random):
         assert np.isfinite(sim.particles.stress).all()
         if random == 0:  # nine particles in the support, on 3 x 3 lines
             assert sim.quantity(quantity) >= 1
+
+
+@pytest.mark.parametrize("method", ["imls", "cpdi2"])
+def test_the_vortex_before_the_quarter_period(method):
+    """Free surfaces: IMLS leaves the cells beside them to the particles, and maps velocities twice (T 36)."""
+    choices = {"staggered": True}
+    errors = [norms_at_quarter("vortex", method, n, **choices) for n in (16, 32, 64)]
+    assert -np.polyfit(np.log([16, 32, 64]), np.log(errors), 1)[0] > 1.8
+    assert errors[2] < {"imls": 0.0029, "cpdi2": 0.0038}[method]
+
+
+def norms_at_quarter(name, method, cells, **choices):
+    """The displacement error at T/4; the run ends there."""
+    problem = PROBLEMS[name](cells=cells, **choices)
+    sim = problem.simulation(METHODS[method], threads=1)
+    sim.run(problem.end / 4)
+    return problem.errors(sim)[0]

@@ -64,6 +64,20 @@ class CellList:
         kernels.order_by_cell(x, self.origin, self.inverse, self.cells, self.cell, self.pointer, self.order)
         kernels.fill_cells(x, particles.volume, self.origin, self.inverse, self.cells, self.filled)
 
+    def whole_cells(self) -> np.ndarray:
+        """Flag the cells that the body fills, and all cells around them, shape (cells,).
+
+        Beside a free surface a fit has particles on one side only, and to reach beyond them is to extrapolate:
+        such cells are left to their particles.
+        """
+        from scipy.ndimage import minimum_filter  # noqa: PLC0415 (slow to import)
+
+        full = (self.filled >= FULL).reshape(self.cells)
+        if full.all():
+            return full.ravel()
+        size = np.where(self.inverse > 0.0, 3, 1)
+        return minimum_filter(full, size=tuple(size), mode="nearest").ravel()
+
     @property
     def arguments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Origin, inverse and cells, as kernels take them."""
@@ -104,7 +118,7 @@ class Quadrature:
     def place(self, particles: Particles) -> None:
         """Put the points where they belong, for the particles where they are."""
         c = self._list
-        whole = c.filled >= FULL
+        whole = c.whole_cells()
         if not np.array_equal(whole, self._whole):
             self._whole = whole
             chosen = np.flatnonzero(whole)
@@ -117,6 +131,9 @@ class Quadrature:
             self.conditions = np.zeros(len(self._gauss))
         self.cut = np.flatnonzero(~whole[c.cell])
         self.position = np.concatenate([self._gauss, particles.position[self.cut]])
+        if len(self.cut):
+            self.cut_slabs = Slabs(self._nodes, self.cut)
+            self.cut_slabs.renew(particles.position)
         self.slabs = Slabs(self._nodes, np.arange(len(self.position)))
         self.slabs.renew(self.position)
 

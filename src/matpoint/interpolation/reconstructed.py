@@ -117,3 +117,26 @@ class ReconstructedMapping(BoxMapping):
             ),
         )  # fmt: skip
         refuse_crowds(found, c)
+        if len(self.quadrature.cut):
+            self._average_beside_cut_cells()
+
+    def _average_beside_cut_cells(self) -> None:
+        """Give nodes of cut cells the mass-weighted mean of velocities, as MPM does: it never extrapolates."""
+        n, q = self.nodes, self.quadrature
+        kept = n.records.copy()
+        n.clear()
+        super().to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=False)
+        mean = n.records[:, :3] / np.maximum(n.records[:, 3:4], 1e-300)
+        n.clear()
+        s = q.cut_slabs
+        p = self.particles
+        self.team.coloured(
+            s.pointer,
+            lambda slabs, a, b: box_kernels.particles_to_nodes(
+                *n.rows, n.shape[1], n.shape[2], n.flat, slabs, a, b, s.pointer, s.order, p.position,
+                self.half, p.velocity, p.mass, p.volume, p.stress, p.velocity, 1.0, 0.0,
+            ),
+        )  # fmt: skip
+        beside = n.records[:, 3] > 0.0
+        n.records[:] = kept
+        n.records[beside, :3] = kept[beside, 3:4] * mean[beside]

@@ -38,6 +38,7 @@ def _ring(amplitude: float) -> Manufactured:
 class _Ring(ManufacturedProblem):
     """A ring whose two circles are free; domains follow it, about ``per_cell`` per cell and axis."""
 
+    free_surfaces: ClassVar[bool] = True
     inner: ClassVar[float]
     outer: ClassVar[float]
     angles: ClassVar[tuple[float, float]]
