@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -64,16 +65,16 @@ class CellList:
         kernels.order_by_cell(x, self.origin, self.inverse, self.cells, self.cell, self.pointer, self.order)
         kernels.fill_cells(x, particles.volume, self.origin, self.inverse, self.cells, self.filled)
 
-    def whole_cells(self) -> np.ndarray:
-        """Flag the cells that the body fills, and all cells around them, shape (cells,).
+    def whole_cells(self, surrounded: bool) -> np.ndarray:
+        """Flag the cells that the body fills, shape (cells,); if ``surrounded``, all around them too.
 
-        Beside a free surface a fit has particles on one side only, and to reach beyond them is to extrapolate:
-        such cells are left to their particles.
+        Beside a free surface a fit has particles on one side only, and to reach beyond them is to
+        extrapolate: such cells are left to their particles.
         """
         from scipy.ndimage import minimum_filter  # noqa: PLC0415 (slow to import)
 
         full = (self.filled >= FULL).reshape(self.cells)
-        if full.all():
+        if full.all() or not surrounded:
             return full.ravel()
         size = np.where(self.inverse > 0.0, 3, 1)
         return minimum_filter(full, size=tuple(size), mode="nearest").ravel()
@@ -101,6 +102,9 @@ class Quadrature:
         The cell of each Gauss point.
     """
 
+    #: Whether a fit reaches into the cells around, so that they must be filled as well.
+    surrounded: ClassVar[bool] = True
+
     def __init__(
         self, cells: CellList, nodes: Nodes, team: Team, solver: Solver, monomials: Monomials, support: float,
         points: int, dim: int,
@@ -118,7 +122,7 @@ class Quadrature:
     def place(self, particles: Particles) -> None:
         """Put the points where they belong, for the particles where they are."""
         c = self._list
-        whole = c.whole_cells()
+        whole = c.whole_cells(self.surrounded)
         if not np.array_equal(whole, self._whole):
             self._whole = whole
             chosen = np.flatnonzero(whole)

@@ -121,7 +121,7 @@ class ReconstructedMapping(BoxMapping):
             self._average_beside_cut_cells()
 
     def _average_beside_cut_cells(self) -> None:
-        """Give nodes of cut cells the mass-weighted mean of velocities, as MPM does: it never extrapolates."""
+        """Give nodes of cut cells the mass-weighted mean of velocities, as MPM does: no extrapolation."""
         n, q = self.nodes, self.quadrature
         kept = n.records.copy()
         n.clear()

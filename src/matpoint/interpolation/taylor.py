@@ -36,6 +36,7 @@ class TaylorQuadrature(Quadrature):
         Half-lengths [m] of the particles' boxes, zeros for particles as points.
     """
 
+    surrounded = False  # a fit takes the cell's own particles
     keep_stress = True
     half = np.zeros((1, 3))
 
