@@ -95,7 +95,10 @@ def test_one_particle_a_cell_or_random_ones_run(random):
         for _ in range(10):
             sim.advance(sim.dt)
         assert np.isfinite(sim.particles.stress).all()
-        if random == 0:  # nine particles in the support, on 3 x 3 lines
+        if method.name == "imls":
+            sim.run(problem.end / 4)
+            assert problem.errors(sim)[0] < {0: 1.1e-3, 5: 5e-4}[random]
+        elif random == 0:  # nine particles in the support, on 3 x 3 lines
             assert sim.quantity(quantity) >= 1
 
 
