@@ -221,7 +221,8 @@ class Simulation:
         """Return the stages of a step as a table: stage, equation, arrays read and written."""
         lines = []
         for place, stage in enumerate(self.scheme.stages, 1):
-            lines.append(f"{place:2d}. {stage.name}: {stage.equation}")
+            equation = self.interpolation.equations.get(stage.name, stage.equation)
+            lines.append(f"{place:2d}. {stage.name}: {equation}")
             lines.append(f"      reads {', '.join(stage.reads) or '-'}; writes {', '.join(stage.writes)}")
         return "\n".join(lines)
 

@@ -232,3 +232,11 @@ def _simulation(method, scheme):
 def test_reprojection_is_the_musl_order():
     assert _simulation(mp.IMLS(reproject=True), None).scheme.name == "musl"
     assert _simulation(mp.IMLS(), None).scheme.name == "usl"
+
+
+@pytest.mark.parametrize(("method", "words"), [(mp.IMLS(), "(T 24-31)"), (mp.SplineIMLS(), "M_ij = sum_g")])
+def test_explain_and_ranks_are_those_of_the_method(method, words):
+    sim = _simulation(method, None)
+    assert words in sim.explain()
+    sim.advance(sim.dt)
+    assert sim.quantity("smallest_rank") >= 2

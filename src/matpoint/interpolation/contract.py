@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from collections.abc import Mapping as Mapping_
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -262,6 +264,8 @@ class Interpolation(ABC):
     walls_only: ClassVar[bool] = False
     consistent: ClassVar[bool] = False
     citation: ClassVar[tuple[str, ...]] = ()
+    #: Equations of stages that this method carries out in its own way, by the stage's name.
+    equations: ClassVar[Mapping_[str, str]] = MappingProxyType({})
 
     @property
     def default_scheme(self) -> str:

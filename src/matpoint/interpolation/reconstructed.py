@@ -54,14 +54,12 @@ class ReconstructedMapping(BoxMapping):
     @property
     def ranks(self) -> np.ndarray:
         """Columns kept at every point where something was reconstructed, Gauss points first."""
-        seen = self.nodes.records[:, 3] > 0.0
-        return np.concatenate([self.quadrature.ranks, self.node_ranks[seen]])
+        return np.concatenate([self.quadrature.ranks, self.node_ranks[self.node_ranks > 0]])
 
     @property
     def conditions(self) -> np.ndarray:
         """Condition numbers of the moment matrices at the same points; 0 where none is made (IMLS)."""
-        seen = self.nodes.records[:, 3] > 0.0
-        return np.concatenate([self.quadrature.conditions, self.node_conditions[seen]])
+        return np.concatenate([self.quadrature.conditions, self.node_conditions[self.node_ranks > 0]])
 
     @property
     def bad_points(self) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -20,6 +21,25 @@ from matpoint.interpolation.reconstructed import ReconstructedMapping
 from matpoint.kernels.reconstruct import MODES
 
 _HIGHEST = 3
+_GAUSS = (
+    "rho, sigma, rho b at Gauss points g by least squares; m_i = sum_g N_i rho w, f_i = sum_g N_i rho b w"
+    " - grad N_i . sigma w;"
+)
+_AT_NODES = " p_i = m_i sum_p phi_i(x_p) v_p"
+_EQUATIONS = MappingProxyType(
+    {
+        "particles to nodes": f"{_GAUSS}{_AT_NODES}  (T 24-31)",
+        "momentum to nodes": f"m_i = sum_g N_i rho w;{_AT_NODES}  (T 28, 31)",
+    }
+)
+_CONSISTENT = MappingProxyType(
+    {
+        "particles to nodes": f"{_GAUSS} p_i = sum_g N_i rho v w  (T 24-30)",
+        "momentum to nodes": "p_i = sum_g N_i rho v w",
+        "solve": "M v = p, M v+ = p + f dt, M_ij = sum_g N_i N_j rho w, conditions inside",
+        "velocity": "M v = p, M_ij = sum_g N_i N_j rho w, conditions inside",
+    }
+)
 _HATS = Linear()
 
 
@@ -51,6 +71,7 @@ class _Reconstruction(Interpolation):
     support: float = 1.5
     reproject: bool = False
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "wallstedt2011", "tran2019")
+    equations = _EQUATIONS
 
     def __post_init__(self) -> None:
         what = type(self).__name__
@@ -159,6 +180,7 @@ class SplineIMLS(Interpolation):
     walls_only: ClassVar[bool] = True
     consistent: ClassVar[bool] = True
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "steffen2008", "tran2019")
+    equations = _CONSISTENT
 
     def __post_init__(self) -> None:
         IMLS(BSpline(self.basis_degree), self.degree, self.degree, self.points, self.support)
