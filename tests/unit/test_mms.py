@@ -173,8 +173,8 @@ def test_a_law_of_the_users_own_and_numbers_as_components():
     [
         ("X", HARD, "1 to 3 components"),
         (("sin(X)",), HARD, "must be a sympy expression"),
-        ((sp.Symbol("q"),), HARD, "only X, t of matpoint.mms"),
-        ((mms.Y,), HARD, "only X, t of matpoint.mms"),
+        ((sp.Symbol("q"),), HARD, "only X, t as imported from matpoint.mms"),
+        ((mms.Y,), HARD, "only X, t as imported from matpoint.mms"),
         (mms.vortex(1.0, 1.0), SOLUTIONS["hencky"][1], "along the axes"),
     ],
 )

@@ -51,8 +51,11 @@ class Manufactured:
     first_piola: Callable[[sp.Matrix], sp.Matrix] | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.law, str) or not 1 <= len(self.law) <= 3:
-            raise InputError("manufactured solution: the displacement must have 1 to 3 components")
+        if not isinstance(self.law, list | tuple | sp.Tuple) or not 1 <= len(self.law) <= 3:
+            raise InputError(
+                "manufactured solution: the displacement must be a list of 1 to 3 components, for instance"
+                f" (u,); given is {self.law!r}"
+            )
         allowed = {*COORDINATES[: self.dim], TIME}
         for k, component in enumerate(self.law):
             if not isinstance(component, sp.Expr | int | float):
@@ -63,7 +66,8 @@ class Manufactured:
                 names = ", ".join(sorted(str(s) for s in allowed))
                 raise InputError(
                     f"manufactured solution: component {k} holds"
-                    f" {component.free_symbols - allowed}; only {names} of matpoint.mms are allowed"
+                    f" {component.free_symbols - allowed}; only {names} as imported from matpoint.mms are"
+                    " allowed (symbols of sympy with the same names are others)"
                 )
         _ = self._stress  # refuses what has no P(F)
 
