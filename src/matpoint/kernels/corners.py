@@ -12,13 +12,30 @@ from __future__ import annotations
 import numpy as np
 
 from matpoint.jit import device, kernel, set_item
+from matpoint.kernels.vector import (
+    across_x,
+    across_y,
+    across_z,
+    fma,
+    lane,
+    load,
+    lower,
+    minus,
+    pack,
+    plus,
+    scale,
+    store_rows,
+    times,
+)
 
 CORNERS = np.array([2, 4, 8, 3, 4])  # by kind
 SIGNS = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
     dtype=float,
 )
-_GAUSS = 1.0 / np.sqrt(3.0)
+# A linear function's values at the two Gauss points of an edge, from those at its ends.
+_NEAR, _FAR = 0.5 + 0.5 / np.sqrt(3.0), 0.5 - 0.5 / np.sqrt(3.0)
+_HALF_X, _HALF_Y, _HALF_Z = (np.ascontiguousarray(0.5 * SIGNS[:, k]) for k in range(3))
 
 
 @device
@@ -97,66 +114,129 @@ def _tetrahedron(p, corners, x, weights):
 
 
 @device
-def _hex_jacobian(p, corners, x, r, s, t):
-    """dx/d(r, s, t) of the trilinear map, nine numbers, rows x, y, z."""
-    j = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    for c in range(8):
-        a, u, v, w = corners[p, c], SIGNS[c, 0], SIGNS[c, 1], SIGNS[c, 2]
-        dr = 0.125 * u * (1.0 + v * s) * (1.0 + w * t)
-        ds = 0.125 * v * (1.0 + u * r) * (1.0 + w * t)
-        dt = 0.125 * w * (1.0 + u * r) * (1.0 + v * s)
-        j = (
-            j[0] + x[a, 0] * dr, j[1] + x[a, 0] * ds, j[2] + x[a, 0] * dt,
-            j[3] + x[a, 1] * dr, j[4] + x[a, 1] * ds, j[5] + x[a, 1] * dt,
-            j[6] + x[a, 2] * dr, j[7] + x[a, 2] * ds, j[8] + x[a, 2] * dt,
-        )  # fmt: skip
-    return j
+def _toward_gauss(value, neighbour):
+    """From corners to Gauss points along one axis, or back: the operator is symmetric."""
+    return fma(_NEAR, value, scale(_FAR, neighbour))
 
 
 @device
-def _hexahedron(p, corners, x, weights):
-    """2 x 2 x 2 Gauss points integrate V, R and G of a trilinear domain exactly."""
-    volume, smallest = 0.0, np.inf
-    for c in range(8):
-        _put(weights, p, c, 0.0, 0.0, 0.0, 0.0)
-    for g in range(8):
-        r, s, t = _GAUSS * SIGNS[g, 0], _GAUSS * SIGNS[g, 1], _GAUSS * SIGNS[g, 2]
-        j = _hex_jacobian(p, corners, x, r, s, t)
-        e = _cofactors(j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8])
-        det = j[0] * e[0][0] + j[1] * e[0][1] + j[2] * e[0][2]
-        volume += det
-        for c in range(8):
-            u, v, w = SIGNS[c, 0], SIGNS[c, 1], SIGNS[c, 2]
-            ur, vs, wt = 1.0 + u * r, 1.0 + v * s, 1.0 + w * t
-            dr, ds, dt = 0.125 * u * vs * wt, 0.125 * v * ur * wt, 0.125 * w * ur * vs
-            weights[p, c, 0] += 0.125 * ur * vs * wt * det
-            for k in range(3):
-                weights[p, c, k + 1] += dr * e[k][0] + ds * e[k][1] + dt * e[k][2]
-        j = _hex_jacobian(p, corners, x, SIGNS[g, 0], SIGNS[g, 1], SIGNS[g, 2])
-        e = _cofactors(j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8])
-        smallest = min(smallest, j[0] * e[0][0] + j[1] * e[0][1] + j[2] * e[0][2])
-    for c in range(8):
-        for k in range(4):
-            weights[p, c, k] /= volume
+def _edges(value):
+    """d/dr, d/ds, d/dt of a trilinear field at the corners, from its values there."""
+    return (
+        times(load(_HALF_X, 0), minus(value, across_x(value))),
+        times(load(_HALF_Y, 0), minus(value, across_y(value))),
+        times(load(_HALF_Z, 0), minus(value, across_z(value))),
+    )
+
+
+@device
+def _slopes_at_gauss(e):
+    """Derivatives at Gauss points from those at corners; each is constant along its own axis."""
+    r, s, t = e
+    r, s, t = _toward_gauss(r, across_y(r)), _toward_gauss(s, across_x(s)), _toward_gauss(t, across_x(t))
+    return (
+        _toward_gauss(r, across_z(r)),
+        _toward_gauss(s, across_z(s)),
+        _toward_gauss(t, across_y(t)),
+    )
+
+
+@device
+def _cross(a, b):
+    return (
+        minus(times(a[1], b[2]), times(a[2], b[1])),
+        minus(times(a[2], b[0]), times(a[0], b[2])),
+        minus(times(a[0], b[1]), times(a[1], b[0])),
+    )
+
+
+@device
+def _determinant(a, b):
+    return plus(times(a[0], b[0]), plus(times(a[1], b[1]), times(a[2], b[2])))
+
+
+@device
+def _pull(r, s, t):
+    """sum_g (dN_a/dr r + dN_a/ds s + dN_a/dt t) at each corner a, for values at Gauss points."""
+    r, s, t = plus(r, across_x(r)), plus(s, across_y(s)), plus(t, across_z(t))
+    along_r = times(load(_HALF_X, 0), _toward_gauss(r, across_y(r)))
+    along_s = times(load(_HALF_Y, 0), _toward_gauss(s, across_x(s)))
+    flat = plus(along_r, along_s)
+    t = _toward_gauss(t, across_x(t))
+    return plus(
+        _toward_gauss(flat, across_z(flat)), times(load(_HALF_Z, 0), _toward_gauss(t, across_y(t)))
+    )
+
+
+@device
+def _total(value):
+    value = plus(value, across_x(value))
+    value = plus(value, across_y(value))
+    return lane(plus(value, across_z(value)), 0)
+
+
+@device
+def _coordinate(p, corners, x, k):
+    return pack(
+        x[corners[p, 0], k], x[corners[p, 1], k], x[corners[p, 2], k], x[corners[p, 3], k],
+        x[corners[p, 4], k], x[corners[p, 5], k], x[corners[p, 6], k], x[corners[p, 7], k],
+    )  # fmt: skip
+
+
+@device
+def _hexahedron(p, corners, x, flat, position):
+    """V, R and G of a trilinear domain, exact: eight lanes are eight corners or eight Gauss points.
+
+    With j = dx/d(r, s, t) at 2 x 2 x 2 Gauss points, V = sum_g det j, V R_a = sum_g N_a det j and
+    V G_a = dV/dx_a = sum_g cof(j) dN_a/d(r, s, t). Going between corners and Gauss points is one
+    interpolation per axis, the same both ways, so nothing is looped over.
+    """
+    cx, cy, cz = _coordinate(p, corners, x, 0), _coordinate(p, corners, x, 1), _coordinate(p, corners, x, 2)
+    ex, ey, ez = _edges(cx), _edges(cy), _edges(cz)
+    det = _determinant((ex[0], ey[0], ez[0]), _cross((ex[1], ey[1], ez[1]), (ex[2], ey[2], ez[2])))
+    det = lower(det, across_x(det))
+    det = lower(det, across_y(det))
+    smallest = lane(lower(det, across_z(det)), 0)
+    jx, jy, jz = _slopes_at_gauss(ex), _slopes_at_gauss(ey), _slopes_at_gauss(ez)
+    r, s, t = (jx[0], jy[0], jz[0]), (jx[1], jy[1], jz[1]), (jx[2], jy[2], jz[2])
+    st, tr, rs = _cross(s, t), _cross(t, r), _cross(r, s)
+    det = _determinant(r, st)
+    volume = _total(det)
+    inverse = 1.0 / volume
+    share = _toward_gauss(det, across_x(det))
+    share = _toward_gauss(share, across_y(share))
+    share = scale(inverse, _toward_gauss(share, across_z(share)))
+    store_rows(
+        flat, 32 * p, share,
+        scale(inverse, _pull(st[0], tr[0], rs[0])),
+        scale(inverse, _pull(st[1], tr[1], rs[1])),
+        scale(inverse, _pull(st[2], tr[2], rs[2])),
+    )  # fmt: skip
+    position[p, 0] = _total(times(share, cx))
+    position[p, 1] = _total(times(share, cy))
+    position[p, 2] = _total(times(share, cz))
     return 8.0 * smallest if volume > 0.0 else min(smallest, volume)
 
 
 @kernel
 def corner_weights(start, stop, kind, corners, x, weights, position):
     """Weights and centroid of domains start:stop; return the first that has turned over, or -1."""
+    flat = weights.reshape(-1)
     for p in range(start, stop):
         if kind[p] == 0:
             smallest = _line(p, corners, x, weights)
         elif kind[p] == 1:
             smallest = _quad(p, corners, x, weights)
         elif kind[p] == 2:
-            smallest = _hexahedron(p, corners, x, weights)
+            smallest = _hexahedron(p, corners, x, flat, position)
         elif kind[p] == 3:
             smallest = _triangle(p, corners, x, weights)
         else:
             smallest = _tetrahedron(p, corners, x, weights)
         if not smallest > 0.0:
             return p
+        if kind[p] == 2:
+            continue
         for k in range(3):
             position[p, k] = 0.0
         for c in range(CORNERS[kind[p]]):

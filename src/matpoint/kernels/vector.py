@@ -9,7 +9,7 @@ Only this module knows LLVM. Everything else calls the functions below.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,12 @@ _MASK = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
 class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, fe_type: Any) -> None:
         super().__init__(manager, fe_type, _VECTOR)
+
+
+def _shuffle(builder: Any, first: Any, second: Any, lanes_taken: Sequence[int]) -> Any:
+    """Lanes of two vectors of one length, numbered through, in a new order."""
+    mask = ir.Constant(ir.VectorType(ir.IntType(32), len(lanes_taken)), list(lanes_taken))
+    return builder.shuffle_vector(first, second, mask)
 
 
 def _splat(builder: Any, scalar: Any) -> Any:
@@ -108,6 +114,82 @@ def fma(typingctx: Any, scalar: Any, value: Any, total: Any) -> Any:
         return builder.fadd(args[2], product, flags=FLAGS)
 
     return lanes(types.float64, lanes, lanes), generate
+
+
+@intrinsic
+def plus(typingctx: Any, a: Any, b: Any) -> Any:
+    """``a + b``, lane by lane."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.fadd(args[0], args[1], flags=FLAGS)
+
+    return lanes(lanes, lanes), generate
+
+
+@intrinsic
+def minus(typingctx: Any, a: Any, b: Any) -> Any:
+    """``a - b``, lane by lane."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.fsub(args[0], args[1], flags=FLAGS)
+
+    return lanes(lanes, lanes), generate
+
+
+@intrinsic
+def times(typingctx: Any, a: Any, b: Any) -> Any:
+    """``a * b``, lane by lane."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.fmul(args[0], args[1], flags=FLAGS)
+
+    return lanes(lanes, lanes), generate
+
+
+@intrinsic
+def lower(typingctx: Any, a: Any, b: Any) -> Any:
+    """The smaller of ``a`` and ``b``, lane by lane; where one is no number it is ``b``."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.select(builder.fcmp_ordered("<", args[0], args[1]), args[0], args[1])
+
+    return lanes(lanes, lanes), generate
+
+
+def _reordered(order: Sequence[int]) -> Callable[..., Any]:
+    """Make an intrinsic that puts lanes in a fixed order."""
+
+    @intrinsic
+    def reorder(typingctx: Any, value: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return _shuffle(builder, args[0], args[0], order)
+
+        return lanes(lanes), generate
+
+    return reorder
+
+
+# With a lane for each corner of a hexahedron in VTK's order: every corner gets the value of its
+# neighbour along one edge.
+across_x = _reordered([1, 0, 3, 2, 5, 4, 7, 6])
+across_y = _reordered([3, 2, 1, 0, 7, 6, 5, 4])
+across_z = _reordered([4, 5, 6, 7, 0, 1, 2, 3])
+
+
+@intrinsic
+def store_rows(typingctx: Any, array: Any, index: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+    """Write four lanes side by side as eight rows (a_k, b_k, c_k, d_k) to ``array[index : index + 32]``."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        ab = _shuffle(builder, args[2], args[3], range(2 * LANES))
+        cd = _shuffle(builder, args[4], args[5], range(2 * LANES))
+        rows = _shuffle(builder, ab, cd, [8 * part + k for k in range(LANES) for part in range(4)])
+        data = context.make_array(signature.args[0])(context, builder, args[0]).data
+        place = builder.bitcast(builder.gep(data, [args[1]]), rows.type.as_pointer())
+        builder.store(rows, place).align = 8
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp, lanes, lanes, lanes, lanes), generate
 
 
 @intrinsic
