@@ -6,6 +6,9 @@ import numpy as np
 
 from matpoint.kernels.corners import CORNERS, corner_weights
 from matpoint.kernels.vector import records
+from matpoint.kernels.vertex import independent_blocks
+
+_SHORTEST = 256  # particles of a run; fewer are not worth a thread's while
 
 
 class Vertices:
@@ -23,6 +26,8 @@ class Vertices:
         R [-] and G (3) [1/m] of each corner.
     records : ndarray, shape (nv, 8)
         What a node record holds, for each vertex.
+    edges : ndarray of int64
+        Run k of particles is edges[k]:edges[k + 1]; runs two or more apart share no vertex.
     enriched : ndarray of int64
         The vertices that are degrees of freedom of their own; ``ordinary`` are the others.
     """
@@ -56,15 +61,15 @@ class Vertices:
         return flags
 
     def link(self) -> None:
-        """List the (particle, corner) slots of each vertex; needed after any change of order."""
-        width = self.connectivity.shape[1]
+        """Cut the particles into runs that can be added up side by side; needed after any change of order."""
         self.count = CORNERS[self.kind]
-        used = np.arange(width) < self.count[:, None]
-        slots = np.flatnonzero(used.ravel())
-        order = np.argsort(self.connectivity.ravel()[slots], kind="stable")
-        self.slots = slots[order]
-        owners = self.connectivity.ravel()[self.slots]
-        self.pointer = np.searchsorted(owners, np.arange(len(self.position) + 1))
+        edges = np.zeros(len(self.connectivity) // _SHORTEST + 2, dtype=np.int64)
+        taken = independent_blocks(self.connectivity, len(self), _SHORTEST, edges)
+        self.edges = edges[:taken].copy()
+
+    def owner(self, vertex: int) -> int:
+        """Return the first particle with a vertex among its corners."""
+        return int(np.argmax((self.connectivity == vertex).any(axis=1)))
 
     def detach(self, particle: int, position0: np.ndarray, kind: int) -> None:
         """Give a particle corners of its own, appended to the others.

@@ -55,18 +55,18 @@ class VertexMapping(Mapping):
             self.team, len(corners), lambda a, b: find_outside(corners, a, b, *self._corner_bounds)
         )
         if lost >= 0:
-            v = self.vertices
-            owner = int(v.slots[min(v.pointer[lost], len(v.slots) - 1)]) // v.connectivity.shape[1]
+            owner = self.vertices.owner(lost)
             raise ParticleError(owner, f"a corner of its domain is more than {_PAD} cells out of the grid")
         self._slabs.renew(corners)
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs
-        self.team.split(
-            len(v),
-            lambda a, b: kernels.particles_to_vertices(
-                a, b, v.pointer, v.slots, v.weights, p.velocity, p.mass, p.volume, p.stress, body,
-                float(kinematic), float(dynamic), v.flat,
+        self.team.split(len(v), lambda a, b: v.records[a:b].fill(0.0))
+        self.team.coloured(
+            v.edges,
+            lambda runs, a, b: kernels.particles_to_vertices(
+                runs, a, b, v.edges, v.connectivity, v.count, v.weights, p.velocity, p.mass, p.volume,
+                p.stress, body, float(kinematic), float(dynamic), v.flat,
             ),
         )  # fmt: skip
         if dynamic:

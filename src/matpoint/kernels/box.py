@@ -8,8 +8,9 @@ increment, spare after it. Nodes are numbered with the last axis fastest.
 from __future__ import annotations
 
 from matpoint.jit import device, kernel
+from matpoint.kernels.content import contribution
 from matpoint.kernels.rows import row
-from matpoint.kernels.vector import fma, lane, load, pack, scale, store, zero
+from matpoint.kernels.vector import fma, lane, load, scale, store, zero
 
 
 @kernel
@@ -17,33 +18,24 @@ def particles_to_nodes(
     ax, ay, az, ny, nz, nodes, slabs, start, stop, pointer, order,
     x, half, v, mass, volume, stress, body, kinematic, dynamic,
 ):  # fmt: skip
-    """Add mass and momentum (S 1, 2) and internal plus body force (S 9, 7) of slabs[start:stop].
-
-    ``kinematic`` and ``dynamic`` (0 or 1) switch the two halves; ``body`` is (n, 3) or (1, 3).
-    """
+    """Add mass and momentum (S 1, 2) and internal plus body force (S 9, 7) of slabs[start:stop]."""
     for q in range(start, stop):
         for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
             p = order[r]
             h = p if half.shape[0] > 1 else 0
-            g = p if body.shape[0] > 1 else 0
             bx, wx, dx = row(ax, x[p, 0], half[h, 0])
             by, wy, dy = row(ay, x[p, 1], half[h, 1])
             bz, wz, dz = row(az, x[p, 2], half[h, 2])
-            m, f, s = kinematic * mass[p], dynamic * mass[p], -dynamic * volume[p]
-            xx, yy, zz = s * stress[p, 0], s * stress[p, 1], s * stress[p, 2]
-            xy, yz, xz = s * stress[p, 3], s * stress[p, 4], s * stress[p, 5]
-            content = pack(
-                m * v[p, 0], m * v[p, 1], m * v[p, 2], m,
-                f * body[g, 0], f * body[g, 1], f * body[g, 2], 0.0,
-            )  # fmt: skip
-            pull_x = pack(0.0, 0.0, 0.0, 0.0, xx, xy, xz, 0.0)
-            pull_y = pack(0.0, 0.0, 0.0, 0.0, xy, yy, yz, 0.0)
-            pull_z = pack(0.0, 0.0, 0.0, 0.0, xz, yz, zz, 0.0)
+            content, pull_x, pull_y, pull_z = contribution(
+                p, v, mass, volume, stress, body, kinematic, dynamic
+            )
             for i in range(len(wx)):
+                wi, di = wx[i], dx[i]
+                plane = fma(di, pull_x, scale(wi, content))
+                plane_y, plane_z = scale(wi, pull_y), scale(wi, pull_z)
                 for j in range(len(wy)):
-                    ww, dw, wd = wx[i] * wy[j], dx[i] * wy[j], wx[i] * dy[j]
-                    line = fma(wd, pull_y, fma(dw, pull_x, scale(ww, content)))
-                    slope = scale(ww, pull_z)
+                    line = fma(dy[j], plane_y, scale(wy[j], plane))
+                    slope = scale(wy[j], plane_z)
                     n = (((bx + i) * ny + by + j) * nz + bz) * 8
                     for k in range(len(wz)):
                         store(nodes, n, fma(dz[k], slope, fma(wz[k], line, load(nodes, n))))
@@ -66,6 +58,7 @@ def nodes_to_particles(
         bz, wz, dz = row(az, x[p, 2], half[h, 2])
         value, along_x, along_y, along_z = zero(), zero(), zero(), zero()
         for i in range(len(wx)):
+            plane, plane_y, plane_z = zero(), zero(), zero()
             for j in range(len(wy)):
                 n = (((bx + i) * ny + by + j) * nz + bz) * 8
                 line, slope = zero(), zero()
@@ -74,11 +67,14 @@ def nodes_to_particles(
                     line = fma(wz[k], node, line)
                     slope = fma(dz[k], node, slope)
                     n += 8
-                ww = wx[i] * wy[j]
-                value = fma(ww, line, value)
-                along_x = fma(dx[i] * wy[j], line, along_x)
-                along_y = fma(wx[i] * dy[j], line, along_y)
-                along_z = fma(ww, slope, along_z)
+                plane = fma(wy[j], line, plane)
+                plane_y = fma(dy[j], line, plane_y)
+                plane_z = fma(wy[j], slope, plane_z)
+            wi = wx[i]
+            value = fma(wi, plane, value)
+            along_x = fma(dx[i], plane, along_x)
+            along_y = fma(wi, plane_y, along_y)
+            along_z = fma(wi, plane_z, along_z)
         for a in range(3):
             if move:
                 v[p, a] = flip * (v[p, a] + lane(value, a + 4)) + (1.0 - flip) * lane(value, a)

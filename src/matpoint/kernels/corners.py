@@ -28,7 +28,7 @@ from matpoint.kernels.vector import (
     times,
 )
 
-CORNERS = np.array([2, 4, 8, 3, 4])  # by kind
+CORNERS = np.array([2, 4, 8, 3, 4], dtype=np.int8)  # by kind
 SIGNS = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
     dtype=float,

@@ -83,9 +83,9 @@ def _quadratic(axis, x, length):
     """Three splines of the clamped knots around the cell; they sum to 1 by construction."""
     r = (x - axis.origin) * axis.inverse
     cell = min(max(int(r), 0), axis.cells - 1)
-    left, right = float(max(cell - 1, 0)), float(min(cell + 2, axis.cells))
     down, up = cell + 1.0 - r, r - cell
-    wide_left, wide_right = 1.0 / (cell + 1.0 - left), 1.0 / (right - cell)
+    # One over the distance to the knot beyond: two cells, or one beside a wall.
+    wide_left, wide_right = 0.5 if cell > 0 else 1.0, 0.5 if cell + 1 < axis.cells else 1.0
     w0, w2 = down * down * wide_left, up * up * wide_right
     d0, d2 = -2.0 * down * wide_left * axis.inverse, 2.0 * up * wide_right * axis.inverse
     return cell, (w0, 1.0 - w0 - w2, w2), (d0, -d0 - d2, d2)
@@ -107,16 +107,27 @@ def _cubic(axis, x, length):
 
 
 def _gimp(axis, x, length):
-    """The hat's mean over [x - l, x + l]: one formula for every l / h (methods, section 2)."""
+    """The hat's mean over [x - l, x + l]: one formula for every l / h (methods, section 2).
+
+    The lower end v lies in [0, 1), so its integrals are 0 but for the first two; weights sum to 1.
+    """
     r, half = (x - axis.origin) * axis.inverse, length * axis.inverse
-    first = int(r - half)
+    first, last = int(r - half), len(axis.reach) - 1
     u, v = r + half - first, r - half - first
     c = 0.5 / half
-    weights, slopes = axis.reach, axis.reach
-    for i in range(len(axis.reach)):
-        weights = set_item(weights, i, c * (hat_integral(u - i) - hat_integral(v - i)))
-        slopes = set_item(slopes, i, c * axis.inverse * (hat(u - i) - hat(v - i)))
-    return first, weights, slopes
+    s = c * axis.inverse
+    over = max(u - last + 1.0, 0.0)
+    w, d = c * 0.5 * over * over, s * over
+    low, slope = c * 0.5 * v * v, s * v
+    weights, slopes = set_item(axis.reach, last, w), set_item(axis.reach, last, d)
+    rest, fall = 1.0 - w, -d
+    for i in range(last - 1, 0, -1):
+        w, d = c * hat_integral(u - i), s * hat(u - i)
+        if i == 1:
+            w, d = w - low, d - slope
+        weights, slopes = set_item(weights, i, w), set_item(slopes, i, d)
+        rest, fall = rest - w, fall - d
+    return first, set_item(weights, 0, rest), set_item(slopes, 0, fall)
 
 
 _ROWS = {Absent: _absent, Hat: _hat, Gimp: _gimp, Quadratic: _quadratic, Cubic: _cubic}

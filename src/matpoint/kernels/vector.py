@@ -21,7 +21,7 @@ LANES = 8
 # Numba supplies the typing context itself; to a type checker the functions take what follows it.
 intrinsic: Callable[..., Any] = extending.intrinsic
 
-FLAGS = ("contract", "reassoc", "nsz", "arcp")  # as in matpoint.jit: NaN and inf are kept
+FLAGS = ("contract", "nsz")  # NaN and inf are kept, and the order of operations: it is chosen below
 
 
 class Lanes(types.Type):

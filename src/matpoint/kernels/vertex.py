@@ -8,38 +8,59 @@ the layout of node records. An enriched vertex is a node of its own: its record 
 
 from __future__ import annotations
 
+import numpy as np
+
 from matpoint.jit import kernel
+from matpoint.kernels.content import contribution
 from matpoint.kernels.rows import row
-from matpoint.kernels.vector import fma, lane, load, pack, scale, store, zero
+from matpoint.kernels.vector import fma, lane, load, scale, store, zero
+
+
+@kernel
+def independent_blocks(corners, vertices, smallest, edges):
+    """Cut the particles into runs so that no vertex is shared by runs k and k + 2 or farther apart.
+
+    Even runs may then add to vertices side by side, and odd ones after them. ``edges`` takes where runs
+    end, from 0; returns how many it took. Runs have ``smallest`` particles or more; those in order of cell
+    have about a layer of cells.
+    """
+    last = np.zeros(vertices, dtype=np.int32)
+    for p in range(corners.shape[0]):
+        for c in range(corners.shape[1]):
+            if corners[p, c] >= 0:
+                last[corners[p, c]] = p
+    edges[0], taken, reach, before = 0, 1, -1, -1
+    for p in range(corners.shape[0]):
+        for c in range(corners.shape[1]):
+            if corners[p, c] >= 0:
+                reach = max(reach, last[corners[p, c]])
+        if p >= before and p + 1 - edges[taken - 1] >= smallest:
+            edges[taken], taken, before = p + 1, taken + 1, reach
+    if edges[taken - 1] < corners.shape[0]:
+        edges[taken], taken = corners.shape[0], taken + 1
+    return taken
 
 
 @kernel
 def particles_to_vertices(
-    start, stop, pointer, slots, weights, v, mass, volume, stress, body, kinematic, dynamic, records
+    runs, start, stop, edges, corners, count, weights, v, mass, volume, stress, body, kinematic, dynamic,
+    records,
 ):  # fmt: skip
-    """Form the records of vertices start:stop from all particles that share them (S 1, 2, 9, 23).
+    """Add what particles bring to the records of their corners (S 1, 2, 9, 23).
 
-    Each vertex gathers through its list ``slots[pointer[a]:pointer[a + 1]]`` of p * K + c: no
-    race, and one order of summation.
+    The particles are those of runs[start:stop], run k being edges[k]:edges[k + 1].
     """
-    width = weights.shape[1]
-    for a in range(start, stop):
-        m, px, py, pz, fx, fy, fz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for q in range(pointer[a], pointer[a + 1]):
-            p, c = slots[q] // width, slots[q] % width
-            g = p if body.shape[0] > 1 else 0
-            share, pull = weights[p, c, 0] * mass[p], -dynamic * volume[p]
-            gx, gy, gz = pull * weights[p, c, 1], pull * weights[p, c, 2], pull * weights[p, c, 3]
-            push = dynamic * share
-            share *= kinematic
-            m += share
-            px += share * v[p, 0]
-            py += share * v[p, 1]
-            pz += share * v[p, 2]
-            fx += push * body[g, 0] + stress[p, 0] * gx + stress[p, 3] * gy + stress[p, 5] * gz
-            fy += push * body[g, 1] + stress[p, 3] * gx + stress[p, 1] * gy + stress[p, 4] * gz
-            fz += push * body[g, 2] + stress[p, 5] * gx + stress[p, 4] * gy + stress[p, 2] * gz
-        store(records, 8 * a, pack(px, py, pz, m, fx, fy, fz, 0.0))
+    for q in range(start, stop):
+        for p in range(edges[runs[q]], edges[runs[q] + 1]):
+            content, pull_x, pull_y, pull_z = contribution(
+                p, v, mass, volume, stress, body, kinematic, dynamic
+            )
+            for c in range(count[p]):
+                a = 8 * corners[p, c]
+                record = fma(weights[p, c, 0], content, load(records, a))
+                record = fma(weights[p, c, 1], pull_x, record)
+                record = fma(weights[p, c, 2], pull_y, record)
+                store(records, a, fma(weights[p, c, 3], pull_z, record))
 
 
 @kernel
