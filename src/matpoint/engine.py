@@ -17,7 +17,7 @@ from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Held, Mapping, ParticleError
 from matpoint.kernels.ledger import book_loads
-from matpoint.kernels.nodes import constrain, solve
+from matpoint.kernels.nodes import constrain, solve, solve_extra
 from matpoint.loads import Damping, Loads
 from matpoint.materials import Material, stress_kernel
 from matpoint.neumann import neumann_correction
@@ -94,7 +94,7 @@ class Engine:
 
     def clear(self) -> None:
         """Empty the node records."""
-        self.mapping.nodes.clear()
+        self.mapping.nodes.clear(self.team)
 
     def gather(self) -> None:
         """Mass, momentum and forces to the nodes."""
@@ -244,8 +244,9 @@ class Engine:
         if self.mapping.consistent:
             self._solve_consistent(dt)
             return
-        nodes, damping = self.mapping.nodes.records, self.damping
-        self.team.split(len(nodes), lambda a, b: solve(nodes, a, b, dt, damping.rate, damping.factor))
+        n, damping = self.mapping.nodes, (self.damping.rate, self.damping.factor)
+        n.planes(self.team, lambda a, b: solve(n.flat, a, b, *n.shape[1:], n.first, n.last, dt, *damping))
+        solve_extra(n.flat, n.on_grid, len(n.records), dt, *damping)
 
     def _constrain(self, before: np.ndarray, after: np.ndarray, external: np.ndarray) -> Any:
         c = self.constraints

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from matpoint.grid import Grid
+from matpoint.kernels.nodes import clear
 from matpoint.kernels.rows import Absent, Cubic, Gimp, Hat, Quadratic
 from matpoint.kernels.vector import records
+from matpoint.threads import Team
 
 
 class Axis:
@@ -67,9 +69,8 @@ class Nodes:
         self.on_grid = int(np.prod(self.shape))
         self.records = records(self.on_grid + extra)
         self.flat = self.records.reshape(-1)
-        # The longest axis makes the most slabs; a slab is wider than any support is long.
-        self.slab_axis = int(np.argmax(self.shape))
-        self.slab_cells = max(4, 2 * max(a.reach for a in self._axes))
+        self.first: tuple[int, int, int] = (0, 0, 0)  # of the active block, and one past its end
+        self.last = self.first
 
     @property
     def rows(self) -> tuple[Any, Any, Any]:
@@ -86,13 +87,56 @@ class Nodes:
     def set_axes(self, axes: Sequence[Axis]) -> None:
         """Put longer or shorter rows on the same nodes (domains that have grown)."""
         self._axes = [*axes] + [absent_axis()] * (3 - len(axes))
-        self.slab_cells = max(4, 2 * max(a.reach for a in self._axes))
 
     def positions(self) -> np.ndarray:
         """Return the positions of the grid's nodes [m], shape (grid nodes, 3)."""
         mesh = np.meshgrid(*self.coordinates, indexing="ij")
         return np.stack([m.ravel() for m in mesh], axis=1)
 
-    def clear(self) -> None:
-        """Empty all records before a transfer."""
-        self.records.fill(0.0)
+    @property
+    def reach(self) -> tuple[int, int, int]:
+        """How many nodes a point sees along each axis."""
+        a, b, c = self._axes
+        return a.reach, b.reach, c.reach
+
+    def cells_of(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the cells that hold the corners of a box [m], (3,) each, within the grid."""
+        found = np.zeros((2, 3), dtype=np.int64)
+        for k, axis in enumerate(self._axes):
+            if not isinstance(axis.row, Absent):
+                r = (np.array([low[k], high[k]]) - axis.row.origin) * axis.row.inverse
+                found[:, k] = np.clip(np.floor(r), 0, len(axis.coordinates) - 1)
+        return found[0], found[1]
+
+    def active_everywhere(self) -> None:
+        """Work on all nodes."""
+        self.first, self.last = (0, 0, 0), self.shape
+
+    def active_within(self, low: np.ndarray, high: np.ndarray) -> None:
+        """Work only on nodes that points in a box [m] can see; the others are empty, and cost nothing.
+
+        Parameters
+        ----------
+        low, high
+            Its corners, (3,) each.
+        """
+        reach = np.array(self.reach)
+        below, above = self.cells_of(low, high)
+        first = np.clip(below - reach, 0, self.shape)
+        last = np.clip(above + reach + 1, 0, self.shape)
+        block = tuple(first.tolist()), tuple(last.tolist())
+        if block != (self.first, self.last):
+            clear(self.flat, self.first[0], self.last[0], *self.shape[1:], self.first, self.last)
+            self.first, self.last = block
+
+    def planes(self, team: Team, call: Callable[[int, int], Any]) -> None:
+        """Call ``call(start, stop)`` on pieces of the active nodes' planes across the first axis."""
+        i, j, k = (b - a for a, b in zip(self.first, self.last, strict=True))
+        first = self.first[0]
+        team.split(i, lambda a, b: call(first + a, first + b), each=j * k)
+
+    def clear(self, team: Team) -> None:
+        """Empty the active records before a transfer."""
+        ny, nz = self.shape[1:]
+        self.planes(team, lambda a, b: clear(self.flat, a, b, ny, nz, self.first, self.last))
+        self.records[self.on_grid :].fill(0.0)

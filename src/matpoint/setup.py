@@ -15,16 +15,8 @@ from matpoint.grid import Grid
 from matpoint.interpolation.contract import Setting
 from matpoint.materials import Material
 from matpoint.particles import Particles
+from matpoint.sorting import cell_order
 from matpoint.threads import Team
-
-
-def cell_order(grid: Grid, position: np.ndarray) -> np.ndarray:
-    """Return the stable order of points (n, 3) [m] by cell, the last axis fastest."""
-    key = np.zeros(len(position), dtype=np.int64)
-    for k in range(grid.dim):
-        cell = np.floor((position[:, k] - grid.lower[k]) / grid.cell[k]).astype(np.int64)
-        key = key * (grid.cells[k] + 2) + np.clip(cell, -1, grid.cells[k]) + 1
-    return np.argsort(key, kind="stable")
 
 
 def distinct_materials(bodies: Sequence[Body]) -> tuple[list[Material], list[int]]:
@@ -104,12 +96,12 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
 
 def _sorted(setting: Setting) -> Setting:
     """Put particles and vertices in order of cell, so that neighbours in space are so in memory."""
-    order = cell_order(setting.grid, setting.particles.position)
+    order = cell_order(setting.team, setting.grid, setting.particles.position)
     setting.particles.permute(order)
     setting.domains_half = np.ascontiguousarray(setting.domains_half[order])
     setting.domains_edges = np.ascontiguousarray(setting.domains_edges[order])
     setting.kind = setting.kind[order]
-    by_cell = cell_order(setting.grid, setting.vertices)
+    by_cell = cell_order(setting.team, setting.grid, setting.vertices)
     rank = np.empty(len(by_cell) + 1, dtype=np.int64)
     rank[by_cell] = np.arange(len(by_cell))
     rank[-1] = -1  # the padding of short cells, index -1

@@ -29,7 +29,8 @@ from matpoint.places import Corners, Surface
 from matpoint.quantities import QUANTITIES
 from matpoint.run import Observer, run_steps
 from matpoint.scheme import SCHEMES, Scheme
-from matpoint.setup import cell_order, make_setting
+from matpoint.setup import make_setting
+from matpoint.sorting import cell_order
 from matpoint.start import check_start
 from matpoint.threads import Team
 from matpoint.timestep import FixedStep, TimeStep, stable_step
@@ -278,7 +279,7 @@ class Simulation:
 
     def sort(self) -> None:
         """Put the particles in order of cell; ids keep their meaning."""
-        order = cell_order(self.grid, self.particles.position)
+        order = cell_order(self.engine.team, self.grid, self.particles.position)
         if np.array_equal(order, np.arange(len(order))):
             return
         self.particles.permute(order)

@@ -48,12 +48,26 @@ class Team:
         self.threads = count
         self._pool = ThreadPoolExecutor(count) if count > 1 else None
 
-    def split(self, count: int, call: Callable[[int, int], Any]) -> list[Any]:
-        """Call ``call(start, stop)`` on pieces of range(count); return the results in order."""
-        if self._pool is None or count < _WORTH_IT:
-            return [call(0, count)]
-        edges = np.linspace(0, count, self.threads + 1).astype(int)
-        return self._map(call, list(pairwise(edges.tolist())))
+    def pieces(self, count: int, most: int | None = None, each: int = 1) -> list[tuple[int, int]]:
+        """Cut range(count) into a piece for each thread, but no more than ``most``; one if it is short.
+
+        ``each`` is how many small things one of the count is.
+        """
+        if self._pool is None or count * each < _WORTH_IT:
+            return [(0, count)]
+        edges = np.linspace(0, count, min(self.threads, most or self.threads) + 1).astype(int)
+        return [(a, b) for a, b in pairwise(edges.tolist()) if a < b]
+
+    def map(self, call: Callable[[int, int, int], Any], pieces: list[tuple[int, int]]) -> list[Any]:
+        """Call ``call(number, start, stop)`` for each piece; return the results in order."""
+        if self._pool is None or len(pieces) == 1:
+            return [call(k, a, b) for k, (a, b) in enumerate(pieces)]
+        futures = [self._pool.submit(call, k, a, b) for k, (a, b) in enumerate(pieces)]
+        return [future.result() for future in futures]
+
+    def split(self, count: int, call: Callable[[int, int], Any], each: int = 1) -> list[Any]:
+        """Call ``call(start, stop)`` on the pieces of range(count); return the results in order."""
+        return self.map(lambda _, a, b: call(a, b), self.pieces(count, each=each))
 
     def coloured(self, pointer: np.ndarray, call: Callable[[np.ndarray, int, int], Any]) -> None:
         """Call ``call(slabs, start, stop)`` over the even slabs, then over the odd ones."""
@@ -67,12 +81,7 @@ class Team:
             shares = np.linspace(0, load[-1] if len(load) else 0, 2 * self.threads + 1)[1:-1]
             edges = [0, *np.searchsorted(load, shares).tolist(), len(slabs)]
             pieces = [(a, b) for a, b in pairwise(edges) if a < b]
-            self._map(lambda a, b, slabs=slabs: call(slabs, a, b), pieces)
-
-    def _map(self, call: Callable[[int, int], Any], pieces: list[tuple[int, int]]) -> list[Any]:
-        assert self._pool is not None
-        futures = [self._pool.submit(call, a, b) for a, b in pieces]
-        return [future.result() for future in futures]
+            self.map(lambda _, a, b, slabs=slabs: call(slabs, a, b), pieces)
 
     def close(self) -> None:
         """End the threads."""

@@ -42,7 +42,7 @@ class Vertices:
         self.records = records(len(position))
         self.flat = self.records.reshape(-1)
         self.enriched = np.zeros(0, dtype=np.int64)
-        self.ordinary = np.arange(len(position))
+        self.ordinary = np.arange(len(position), dtype=np.int32)
         self.link()
 
     def __len__(self) -> int:
@@ -51,7 +51,7 @@ class Vertices:
     def enrich(self, vertices: np.ndarray) -> None:
         """Make these vertices degrees of freedom of their own."""
         self.enriched = np.asarray(vertices, dtype=np.int64)
-        self.ordinary = np.setdiff1d(np.arange(len(self)), self.enriched)
+        self.ordinary = np.setdiff1d(np.arange(len(self), dtype=np.int32), self.enriched)
 
     @property
     def is_enriched(self) -> np.ndarray:
@@ -97,7 +97,7 @@ class Vertices:
             setattr(self, name, np.concatenate([getattr(self, name), position0]))
         self.records = records(old + count)
         self.flat = self.records.reshape(-1)
-        self.ordinary = np.append(self.ordinary, old + np.arange(count))
+        self.ordinary = np.append(self.ordinary, np.arange(old, old + count, dtype=np.int32))
         self.link()
 
     def initial_weights(self) -> np.ndarray:

@@ -4,46 +4,18 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from matpoint.grid import Grid
-from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting, first_fault
+from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting
 from matpoint.kernels import box as kernels
-from matpoint.kernels.locate import find_outside, order_by_slab
 from matpoint.nodes import Axis, Nodes
+from matpoint.sorting import Slabs, box_of
+from matpoint.threads import Team
 
-_LEFT = "it left the grid; make the grid's box larger, or look for an instability (dt, loads, units)"
-
-
-class Slabs:
-    """Points in order of slab, renewed each step."""
-
-    def __init__(self, nodes: Nodes, points: np.ndarray) -> None:
-        axis = nodes.slab_axis
-        line = nodes.coordinates[axis]
-        self.axis, self.origin = axis, float(line[0])
-        span = float(line[-1] - line[0])
-        cells = max(1, len(line) - 1)
-        count = max(1, -(-cells // nodes.slab_cells))
-        self.inverse = cells / (span * nodes.slab_cells) if span > 0 else 0.0
-        self.points = points
-        self.pointer = np.zeros(count + 1, dtype=np.int64)
-        self.order = points.copy()
-        self._scratch = np.zeros(len(points), dtype=np.int64)
-
-    def renew(self, position: np.ndarray) -> None:
-        """Sort the points again, where they are now."""
-        order_by_slab(
-            position,
-            self.axis,
-            self.origin,
-            self.inverse,
-            self.points,
-            self._scratch,
-            self.pointer,
-            self.order,
-        )
+LEFT = "it left the grid; make the grid's box larger, or look for an instability (dt, loads, units)"
 
 
 def wide_bounds(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
@@ -52,6 +24,35 @@ def wide_bounds(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     lower, upper = np.full(3, -np.inf), np.full(3, np.inf)
     lower[: grid.dim], upper[: grid.dim] = np.array(grid.lower) - hair, np.array(grid.upper) + hair
     return lower, upper
+
+
+class Carriers(Protocol):
+    """What scatters: particles, or points that carry their fields in their stead."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    mass: np.ndarray
+    volume: np.ndarray
+    stress: np.ndarray
+
+
+def scatter(
+    team: Team, nodes: Nodes, slabs: Slabs, points: Carriers, half: np.ndarray, body: np.ndarray,
+    *, kinematic: bool, dynamic: bool,
+) -> None:  # fmt: skip
+    """Add mass and momentum (``kinematic``) and forces (``dynamic``) of points to the nodes.
+
+    ``half`` are half-lengths [m] of their boxes, (n, 3) or (1, 3); ``body`` is the body force per mass.
+    """
+    n, s, p = nodes, slabs, points
+    team.coloured(
+        s.pointer,
+        lambda chosen, a, b: kernels.particles_to_nodes(
+            *n.rows, n.shape[1], n.shape[2], n.flat, chosen, a, b, s.pointer, s.order,
+            p.position, half, p.velocity, p.mass, p.volume, p.stress, body,
+            float(kinematic), float(dynamic),
+        ),
+    )  # fmt: skip
 
 
 class BoxMapping(Mapping):
@@ -63,24 +64,24 @@ class BoxMapping(Mapping):
         self.half = np.zeros((1, 3)) if half is None else half
         self.position_next = self.particles.position.copy()
         self.bounds = wide_bounds(setting.grid)
-        self._slabs = Slabs(self.nodes, np.arange(len(self.particles)))
+        self._slabs = Slabs(self.nodes, self.team, len(self.particles))
 
     def before(self) -> None:
         x = self.particles.position
-        lost = first_fault(self.team, len(x), lambda a, b: find_outside(x, a, b, *self.bounds))
+        lost, low, high = box_of(self.team, x, *self.bounds)
         if lost >= 0:
-            raise ParticleError(lost, _LEFT)
-        self._slabs.renew(x)
+            raise ParticleError(lost, LEFT)
+        self.activate(low, high)
+        self._slabs.renew(x, low, high)
+
+    def activate(self, low: np.ndarray, high: np.ndarray) -> None:
+        """Choose the nodes to work on, for particles in a box [m]."""
+        self.nodes.active_within(low, high)
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
-        p, n, s = self.particles, self.nodes, self._slabs
-        self.team.coloured(
-            s.pointer,
-            lambda slabs, a, b: kernels.particles_to_nodes(
-                *n.rows, n.shape[1], n.shape[2], n.flat, slabs, a, b, s.pointer, s.order,
-                p.position, self.half, p.velocity, p.mass, p.volume, p.stress, body,
-                float(kinematic), float(dynamic),
-            ),
+        scatter(
+            self.team, self.nodes, self._slabs, self.particles, self.half, body,
+            kinematic=kinematic, dynamic=dynamic,
         )  # fmt: skip
 
     def to_particles(self, dt: float, flip: float, *, move: bool, differentiate: bool) -> None:

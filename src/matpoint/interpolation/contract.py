@@ -134,6 +134,7 @@ class Mapping(ABC):
 
     nodes: Nodes
     particles: Particles
+    team: Team
     position_next: np.ndarray
     consistent: ClassVar[bool] = False  # True: the mass couples the nodes, and ``solve`` takes the conditions
     fallen: np.ndarray = np.zeros(0, dtype=np.int64)  # internal indices of domains that fell back to CPDI1
@@ -198,7 +199,7 @@ class Mapping(ABC):
 
     def velocities_to_nodes(self) -> None:
         """Put momenta of the particles' velocities on nodes that have the masses already."""
-        self.nodes.clear()
+        self.nodes.clear(self.team)
         self.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=False)
 
     def solve(self, dt: float, rate: float, factor: float, held: Held) -> np.ndarray:
@@ -292,5 +293,4 @@ Call = Callable[[int, int], int]
 
 def first_fault(team: Team, count: int, call: Call) -> int:
     """Run a checking kernel in pieces; return the lowest index that it found, or -1."""
-    found = [p for p in team.split(count, call) if p >= 0]
-    return min(found) if found else -1
+    return min((p for p in team.split(count, call) if p >= 0), default=-1)

@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 
 from matpoint.errors import InputError
-from matpoint.interpolation.box import Slabs
 from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting, first_fault
 from matpoint.interpolation.hourglass import HourglassControl
 from matpoint.interpolation.vertex import VertexMapping
@@ -117,7 +116,7 @@ class ConvectedVertices(VertexMapping):
         self.fallen = np.append(self.fallen, particle)
         if self._hourglass is not None:
             self._hourglass.release(int(self.particles.id[particle]))
-        self._slabs = Slabs(self.nodes, self.vertices.ordinary)
+        self._slabs = self.make_slabs()
 
     def push_vertices(self) -> None:
         super().push_vertices()
@@ -162,7 +161,7 @@ class ConvectedVertices(VertexMapping):
         if self._hourglass is not None:
             for particle in self.particles.id[self.fallen]:
                 self._hourglass.release(int(particle))
-        self._slabs = Slabs(self.nodes, self.vertices.ordinary)
+        self._slabs = self.make_slabs()
         self.update_domains()
 
     def points(self) -> np.ndarray:

@@ -9,13 +9,15 @@ import numpy as np
 
 from matpoint.errors import InputError
 from matpoint.grid import Grid
-from matpoint.interpolation.box import BoxMapping, Slabs
+from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting, first_fault
 from matpoint.kernels.locate import find_stretched
 from matpoint.kernels.stretch import stretch_boxes
 from matpoint.nodes import Axis, gimp_axis
+from matpoint.sorting import Slabs
 
 _BELOW, _ABOVE = 3, 8  # nodes beyond the box, for domains of up to 6 cells
+_SAME = 1e-12  # relative difference of lengths that only rounding makes
 _REACHES = (3, 5, 8)  # rows are compiled for these lengths
 
 
@@ -35,6 +37,12 @@ def _axes(grid: Grid, reach: int) -> list[Axis]:
     return [gimp_axis(grid, k, _BELOW, _ABOVE, reach) for k in range(grid.dim)]
 
 
+def _shared(half: np.ndarray) -> np.ndarray:
+    """One row for all boxes of one size [m], shape (1, 3), or a copy of them all."""
+    same = np.ptp(half, axis=0).max() <= _SAME * half.max()
+    return half[:1].copy() if same else half.copy()
+
+
 @dataclass(frozen=True)
 class UGIMP(Interpolation):
     """Boxes that keep their initial size (uGIMP)."""
@@ -46,7 +54,7 @@ class UGIMP(Interpolation):
         return "ugimp"
 
     def bind(self, setting: Setting) -> Mapping:
-        half = setting.domains_half.copy()
+        half = _shared(setting.domains_half)
         return BoxMapping(setting, _axes(setting.grid, _reach(half, setting.grid)), half)
 
 
@@ -89,7 +97,7 @@ class _StretchedMapping(BoxMapping):
         if reach != self._reach:
             self._reach = reach
             self.nodes.set_axes(_axes(self.grid, reach))
-            self._slabs = Slabs(self.nodes, np.arange(len(self.particles)))
+            self._slabs = Slabs(self.nodes, self.team, len(self.particles))
 
     def permute(self, order: np.ndarray) -> None:
         super().permute(order)

@@ -8,14 +8,16 @@ from typing import ClassVar
 import numpy as np
 
 from matpoint.grid import Grid
-from matpoint.interpolation.box import Slabs
 from matpoint.interpolation.contract import ParticleError
 from matpoint.kernels import reconstruct as kernels
 from matpoint.nodes import Nodes
 from matpoint.particles import Particles
+from matpoint.sorting import Slabs, box_of, sort_by_cell
 from matpoint.threads import Team
 
 FULL = 0.75  # filled share that makes a cell whole; beside a free surface a full cell has 7/8 an axis
+
+_ANYWHERE = np.full(3, -np.inf), np.full(3, np.inf)
 
 Monomials = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -48,21 +50,24 @@ class CellList:
         Particles of cell c are ``order[pointer[c]:pointer[c + 1]]``.
     """
 
-    def __init__(self, grid: Grid, count: int) -> None:
+    def __init__(self, grid: Grid, team: Team, count: int) -> None:
+        self._team = team
         absent = 3 - grid.dim
         self.origin = np.array([*grid.lower, *(0.0,) * absent])
         self.size = np.array([*grid.cell, *(1.0,) * absent])
         self.inverse = np.array([*(1.0 / h for h in grid.cell), *(0.0,) * absent])
         self.cells = np.array([*grid.cells, *(1,) * absent])
-        self.cell = np.zeros(count, dtype=np.int64)
+        self.cell = np.zeros(count, dtype=np.int32)
         self.order = self.cell.copy()
-        self.pointer = np.zeros(int(self.cells.prod()) + 1, dtype=np.int64)
         self.filled = np.zeros(int(self.cells.prod()))
 
     def renew(self, particles: Particles) -> None:
         """Sort the particles again, where they are now."""
         x = particles.position
-        kernels.order_by_cell(x, self.origin, self.inverse, self.cells, self.cell, self.pointer, self.order)
+        self.pointer = sort_by_cell(
+            self._team, x, self.origin, self.inverse, np.zeros(3, dtype=np.int64), self.cells, self.cell,
+            self.order,
+        )  # fmt: skip
         kernels.fill_cells(x, particles.volume, self.origin, self.inverse, self.cells, self.filled)
 
     def whole_cells(self, surrounded: bool) -> np.ndarray:
@@ -136,10 +141,14 @@ class Quadrature:
         self.cut = np.flatnonzero(~whole[c.cell])
         self.position = np.concatenate([self._gauss, particles.position[self.cut]])
         if len(self.cut):
-            self.cut_slabs = Slabs(self._nodes, self.cut)
-            self.cut_slabs.renew(particles.position)
-        self.slabs = Slabs(self._nodes, np.arange(len(self.position)))
-        self.slabs.renew(self.position)
+            self.cut_slabs = Slabs(self._nodes, self._team, len(self.cut), self.cut.astype(np.int32))
+            self.cut_slabs.renew(particles.position, *self._box(particles.position))
+        self.slabs = Slabs(self._nodes, self._team, len(self.position))
+        self.slabs.renew(self.position, *self._box(self.position))
+
+    def _box(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The corners of the box around points [m]."""
+        return box_of(self._team, x, *_ANYWHERE)[1:]
 
     def evaluate(self, particles: Particles, body: np.ndarray, with_velocity: bool) -> None:
         """Bring the particles' fields to the points (T 24-26)."""

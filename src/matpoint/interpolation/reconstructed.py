@@ -6,10 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from matpoint.interpolation.box import BoxMapping
+from matpoint.interpolation.box import BoxMapping, scatter
 from matpoint.interpolation.contract import Setting
 from matpoint.interpolation.quadrature import CellList, Monomials, Quadrature, Solver, refuse_crowds
-from matpoint.kernels import box as box_kernels
 from matpoint.kernels import reconstruct as kernels
 from matpoint.nodes import Axis
 
@@ -36,7 +35,7 @@ class ReconstructedMapping(BoxMapping):
     ) -> None:  # fmt: skip
         super().__init__(setting, axes)
         self._solver, self._velocity_monomials = solver, velocities
-        self.cells = CellList(setting.grid, len(self.particles))
+        self.cells = CellList(setting.grid, self.team, len(self.particles))
         self.quadrature = self.quadrature_kind(
             self.cells, self.nodes, self.team, solver, fields, support, points, setting.grid.dim
         )
@@ -75,6 +74,9 @@ class ReconstructedMapping(BoxMapping):
         worst.at(found, q.cell, values)
         return found[self.cells.cell]
 
+    def activate(self, low: np.ndarray, high: np.ndarray) -> None:
+        self.nodes.active_everywhere()  # Gauss points may lie in cells that hold no particle
+
     def before(self) -> None:
         super().before()
         self.cells.renew(self.particles)
@@ -92,14 +94,7 @@ class ReconstructedMapping(BoxMapping):
     def _scatter(self, kinematic: bool, dynamic: bool) -> None:
         """Mass, momentum and forces of the quadrature points to the nodes (T 28-30, with rho in T 29)."""
         q, n = self.quadrature, self.nodes
-        s = q.slabs
-        self.team.coloured(
-            s.pointer,
-            lambda slabs, a, b: box_kernels.particles_to_nodes(
-                *n.rows, n.shape[1], n.shape[2], n.flat, slabs, a, b, s.pointer, s.order, q.position,
-                self.half, q.velocity, q.mass, q.volume, q.stress, q.body, float(kinematic), float(dynamic),
-            ),
-        )  # fmt: skip
+        scatter(self.team, n, q.slabs, q, self.half, q.body, kinematic=kinematic, dynamic=dynamic)
         if kinematic:
             self.grid_mass = float(n.records[:, 3].sum())
 
@@ -122,19 +117,12 @@ class ReconstructedMapping(BoxMapping):
         """Give nodes of cut cells the mass-weighted mean of velocities, as MPM does: no extrapolation."""
         n, q = self.nodes, self.quadrature
         kept = n.records.copy()
-        n.clear()
+        n.clear(self.team)
         super().to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=False)
         mean = n.records[:, :3] / np.maximum(n.records[:, 3:4], 1e-300)
-        n.clear()
-        s = q.cut_slabs
+        n.clear(self.team)
         p = self.particles
-        self.team.coloured(
-            s.pointer,
-            lambda slabs, a, b: box_kernels.particles_to_nodes(
-                *n.rows, n.shape[1], n.shape[2], n.flat, slabs, a, b, s.pointer, s.order, p.position,
-                self.half, p.velocity, p.mass, p.volume, p.stress, p.velocity, 1.0, 0.0,
-            ),
-        )  # fmt: skip
+        scatter(self.team, n, q.cut_slabs, p, self.half, p.velocity, kinematic=True, dynamic=False)
         beside = n.records[:, 3] > 0.0
         n.records[:] = kept
         n.records[beside, :3] = kept[beside, 3:4] * mean[beside]

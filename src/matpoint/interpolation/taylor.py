@@ -9,7 +9,7 @@ import numpy as np
 
 from matpoint.checks import instance, positive, whole
 from matpoint.errors import InputError
-from matpoint.interpolation.box import BoxInterpolation, Slabs
+from matpoint.interpolation.box import BoxInterpolation
 from matpoint.interpolation.bspline import BSpline
 from matpoint.interpolation.contract import Interpolation, Mapping, Setting
 from matpoint.interpolation.linear import Linear
@@ -19,6 +19,7 @@ from matpoint.interpolation.reconstruction import monomials
 from matpoint.kernels.reconstruct import MODES
 from matpoint.kernels.taylor import fields_in_cells, sum_in_cells
 from matpoint.particles import Particles
+from matpoint.sorting import Slabs
 
 _HATS = Linear()
 _HIGHEST = 3
@@ -78,8 +79,8 @@ class TaylorQuadrature(Quadrature):
         """Put Gauss points and particles together; these carry what went to no cell."""
         k = np.flatnonzero(rest > _SLIVER)
         self.position = np.concatenate([self._gauss, p.position[k]])
-        self.slabs = Slabs(self._nodes, np.arange(len(self.position)))
-        self.slabs.renew(self.position)
+        self.slabs = Slabs(self._nodes, self._team, len(self.position))
+        self.slabs.renew(self.position, *self._box(self.position))
         self.mass = np.concatenate([values[:, 0] * self._volume, rest[k] * p.mass[k]])
         self.volume = np.concatenate([self._volume, rest[k] * p.volume[k]])
         self.stress = np.concatenate([values[:, 1:7], p.stress[k]])

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from matpoint.interpolation.box import Slabs, wide_bounds
-from matpoint.interpolation.contract import Mapping, ParticleError, Setting, first_fault
+from matpoint.interpolation.box import LEFT, wide_bounds
+from matpoint.interpolation.contract import Mapping, ParticleError, Setting
 from matpoint.kernels import vertex as kernels
 from matpoint.kernels.faces import add_forces
-from matpoint.kernels.locate import find_outside
 from matpoint.nodes import Nodes, hat_axis
+from matpoint.sorting import EVERY_POINT, Slabs, box_of
 from matpoint.vertices import Vertices
 
 _PAD = 2  # cells beyond the box, where corners of domains may reach
@@ -30,7 +30,7 @@ class VertexMapping(Mapping):
         for k in range(grid.dim):
             self._corner_bounds[0][k] -= _PAD * grid.cell[k]
             self._corner_bounds[1][k] += _PAD * grid.cell[k]
-        self._slabs = Slabs(self.nodes, vertices.ordinary)
+        self._slabs = self.make_slabs()
         self._loads: Sequence[tuple[np.ndarray, np.ndarray]] = ()
         self.update_domains()
 
@@ -39,25 +39,26 @@ class VertexMapping(Mapping):
         """The corners of all domains."""
         return self._vertices
 
+    def make_slabs(self) -> Slabs:
+        """Return slabs of the vertices that scatter to the grid."""
+        v = self.vertices
+        return Slabs(self.nodes, self.team, len(v), v.ordinary if len(v.enriched) else EVERY_POINT)
+
     def update_domains(self) -> None:
         """Bring corner positions, corner weights and centroids in line; raise ParticleError."""
         raise TypeError("a subclass defines how its domains come about")
 
     def before(self) -> None:
         x, corners = self.particles.position, self.vertices.position
-        lost = first_fault(self.team, len(x), lambda a, b: find_outside(x, a, b, *self.bounds))
+        lost, _, _ = box_of(self.team, x, *self.bounds)
         if lost >= 0:
-            raise ParticleError(
-                lost,
-                "it left the grid; make the grid's box larger, or look for an instability (dt, loads, units)",
-            )
-        lost = first_fault(
-            self.team, len(corners), lambda a, b: find_outside(corners, a, b, *self._corner_bounds)
-        )
+            raise ParticleError(lost, LEFT)
+        lost, low, high = box_of(self.team, corners, *self._corner_bounds)
         if lost >= 0:
             owner = self.vertices.owner(lost)
             raise ParticleError(owner, f"a corner of its domain is more than {_PAD} cells out of the grid")
-        self._slabs.renew(corners)
+        self.nodes.active_within(low, high)
+        self._slabs.renew(corners, low, high)
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs

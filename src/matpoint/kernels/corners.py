@@ -163,9 +163,7 @@ def _pull(r, s, t):
     along_s = times(load(_HALF_Y, 0), _toward_gauss(s, across_x(s)))
     flat = plus(along_r, along_s)
     t = _toward_gauss(t, across_x(t))
-    return plus(
-        _toward_gauss(flat, across_z(flat)), times(load(_HALF_Z, 0), _toward_gauss(t, across_y(t)))
-    )
+    return plus(_toward_gauss(flat, across_z(flat)), times(load(_HALF_Z, 0), _toward_gauss(t, across_y(t))))
 
 
 @device

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from matpoint.jit import device, kernel
+from matpoint.kernels.vector import store, zero
 
 
 @device
@@ -11,27 +12,53 @@ def _sign(x):
 
 
 @kernel
-def solve(nodes, start, stop, dt, mass_damping, local_damping):
+def clear(nodes, start, stop, ny, nz, first, last):
+    """Empty the records of planes start:stop, within the block of nodes from ``first`` to ``last``."""
+    for i in range(start, stop):
+        for j in range(first[1], last[1]):
+            row = (i * ny + j) * nz
+            for n in range(row + first[2], row + last[2]):
+                store(nodes, 8 * n, zero())
+
+
+@device
+def _move(nodes, n, dt, mass_damping, local_damping):
+    m = nodes[n + 3]
+    if m > 0.0:
+        inverse = 1.0 / m
+        for a in range(n, n + 3):
+            v, f = nodes[a] * inverse, nodes[a + 4]
+            f -= local_damping * abs(f) * _sign(v)
+            increment = (f * inverse - mass_damping * v) * dt
+            nodes[a] = v + increment
+            nodes[a + 4] = increment
+    else:
+        for a in range(n, n + 3):
+            nodes[a] = 0.0
+            nodes[a + 4] = 0.0
+
+
+@kernel
+def solve(nodes, start, stop, ny, nz, first, last, dt, mass_damping, local_damping):
     """Turn (momentum, mass, force) into (velocity at the end, mass, increment): S 2, 5, 11, 12.
 
-    ``mass_damping`` [1/s] takes rate * v off the acceleration; ``local_damping`` (Cundall) takes
-    that share of the unbalanced force, against the velocity. A node without mass stays at rest:
-    exact zeros only, since a node that sees a sliver has mass and stiffness vanishing together.
+    Of planes start:stop, within the block of nodes from ``first`` to ``last``. ``mass_damping`` [1/s] takes
+    rate * v off the acceleration; ``local_damping`` (Cundall) takes that share of the unbalanced force,
+    against the velocity. A node without mass stays at rest: exact zeros only, since a node that sees a
+    sliver has mass and stiffness vanishing together.
     """
+    for i in range(start, stop):
+        for j in range(first[1], last[1]):
+            row = (i * ny + j) * nz
+            for n in range(row + first[2], row + last[2]):
+                _move(nodes, 8 * n, dt, mass_damping, local_damping)
+
+
+@kernel
+def solve_extra(nodes, start, stop, dt, mass_damping, local_damping):
+    """``solve`` for records start:stop, nodes that are no part of the grid."""
     for n in range(start, stop):
-        m = nodes[n, 3]
-        if m > 0.0:
-            inverse = 1.0 / m
-            for a in range(3):
-                v, f = nodes[n, a] * inverse, nodes[n, a + 4]
-                f -= local_damping * abs(f) * _sign(v)
-                increment = (f * inverse - mass_damping * v) * dt
-                nodes[n, a] = v + increment
-                nodes[n, a + 4] = increment
-        else:
-            for a in range(3):
-                nodes[n, a] = 0.0
-                nodes[n, a + 4] = 0.0
+        _move(nodes, 8 * n, dt, mass_damping, local_damping)
 
 
 @kernel

@@ -16,28 +16,6 @@ MODES = {"imls": 0, "mls": 1, "raw-mls": 2}
 
 
 @kernel
-def order_by_cell(x, origin, inverse, cells, cell, pointer, order):
-    """Stable counting sort of particles by cell, the last axis fastest; ``cell`` is scratch."""
-    for c in range(pointer.shape[0]):
-        pointer[c] = 0
-    for p in range(x.shape[0]):
-        number = 0
-        for a in range(3):
-            k = int(np.floor((x[p, a] - origin[a]) * inverse[a]))
-            number = number * cells[a] + min(max(k, 0), cells[a] - 1)
-        cell[p] = number
-        pointer[number + 1] += 1
-    for c in range(pointer.shape[0] - 1):
-        pointer[c + 1] += pointer[c]
-    for p in range(x.shape[0]):
-        order[pointer[cell[p]]] = p
-        pointer[cell[p]] += 1
-    for c in range(pointer.shape[0] - 1, 0, -1):
-        pointer[c] = pointer[c - 1]
-    pointer[0] = 0
-
-
-@kernel
 def fill_cells(x, volume, origin, inverse, cells, filled):
     """How much of each cell is filled [-]: particles' volumes spread by hats around the cells' centres.
 
