@@ -83,6 +83,18 @@ def gather_field(mapping: Mapping, setting: Setting, values: np.ndarray) -> tupl
     mapping.nodes.records[:, :3] = values
     p = setting.particles
     kept = p.velocity.copy()
-    mapping.to_particles(0.0, 0.0, move=True, differentiate=True)
+    mapping.to_particles(0.0, 0.0, move=True)
     value, p.velocity[:] = p.velocity.copy(), kept
-    return value, p.velocity_gradient.copy()
+    return value, velocity_gradient(mapping)
+
+
+def velocity_gradient(mapping: Mapping) -> np.ndarray:
+    """sum_i v_i (x) grad phi_ip (n, 3, 3) of what the nodes hold."""
+    result = np.zeros((len(mapping.particles), 3, 3))
+
+    def keep(start: int, stop: int, gradient: np.ndarray) -> int:
+        result[start:stop] = gradient[: stop - start]
+        return -1
+
+    mapping.to_particles(0.0, 0.0, move=False, deform=keep)
+    return result

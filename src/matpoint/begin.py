@@ -65,9 +65,9 @@ def _stress(setting: Setting, mine: np.ndarray, body: Body) -> None:
         names = ", ".join(body.material.state_variables)
         raise InputError(f"{body.label}: its material has a memory ({names}); it can't begin deformed")
     p = setting.particles
-    rest = np.zeros_like(p.velocity_gradient)
+    rest = np.zeros_like(p.deformation_gradient)
     bad = stress_kernel(body.material)(
-        mine, 0, len(mine), p.deformation_gradient, rest, p.volume0, p.volume, p.state, p.stress, 0.0
+        mine, 0, len(mine), p.deformation_gradient, 0, rest, p.volume0, p.volume, p.state, p.stress, 0.0
     )
     if bad >= 0:
         raise InputError(f"{body.label}: its start gives particle {p.id[bad]} no finite stress")

@@ -133,16 +133,16 @@ class Engine:
         self._constrain(given, given, np.zeros(7))
 
     def scatter(self) -> None:
-        """Velocity, position and velocity gradient to the particles."""
-        self.mapping.to_particles(self.dt, self.flip, move=True, differentiate=True)
+        """Velocity and position to the particles; velocity gradient, F and stress."""
+        self._return(self.flip, move=True, deform=True)
 
     def move(self) -> None:
         """Velocity and position to the particles."""
-        self.mapping.to_particles(self.dt, self.flip, move=True, differentiate=False)
+        self._return(self.flip, move=True, deform=False)
 
-    def differentiate(self) -> None:
-        """Velocity gradient to the particles."""
-        self.mapping.to_particles(self.dt, self.flip, move=False, differentiate=True)
+    def deform(self) -> None:
+        """Velocity gradient, F and stress."""
+        self._return(self.flip, move=False, deform=True)
 
     def extend(self) -> None:
         """XPIC's velocity for the particles, in the place of the nodes' increments."""
@@ -161,31 +161,16 @@ class Engine:
         n[:, :3] += self._neumann(n[:, :3].copy(), np.zeros(7))
 
     def scatter_extended(self) -> None:
-        """XPIC's velocity, position and velocity gradient to the particles."""
-        self._take_extended(differentiate=True)
+        """XPIC's velocity and position to the particles; velocity gradient, F and stress."""
+        self._take_extended(deform=True)
 
     def move_extended(self) -> None:
         """XPIC's velocity and position to the particles."""
-        self._take_extended(differentiate=False)
+        self._take_extended(deform=False)
 
     def scatter_affine(self) -> None:
         """APIC's moment of velocity to the particles."""
         self._box().nodes_to_affine()
-
-    def update_stress(self) -> None:
-        """Deform every particle and evaluate its law, one material after the other."""
-        p = self.particles
-        for law, index in zip(self._laws, self.groups, strict=True):
-            found = self.team.split(
-                len(index),
-                lambda a, b, law=law, index=index: law(
-                    index, a, b, p.deformation_gradient, p.velocity_gradient,
-                    p.volume0, p.volume, p.state, p.stress, self.dt,
-                ),
-            )  # fmt: skip
-            bad = [q for q in found if q >= 0]
-            if bad:
-                raise self.fail(min(bad), _INVERTED)
 
     def advance(self) -> None:
         """Take the next positions, bring the domains along, and book the loads' work."""
@@ -208,10 +193,29 @@ class Engine:
         assert isinstance(self.mapping, BoxMapping)  # refused for others when the run was set up
         return self.mapping
 
-    def _take_extended(self, differentiate: bool) -> None:
+    def _return(self, flip: float, *, move: bool, deform: bool) -> None:
+        bad = self.mapping.to_particles(self.dt, flip, move=move, deform=self._deform if deform else None)
+        if bad >= 0:
+            raise self.fail(bad, _INVERTED)
+
+    def _deform(self, start: int, stop: int, gradient: np.ndarray) -> int:
+        """Deform particles start:stop and evaluate their laws, one material after the other."""
+        p = self.particles
+        found = []
+        for law, index in zip(self._laws, self.groups, strict=True):
+            a, b = np.searchsorted(index, (start, stop))
+            found.append(
+                law(
+                    index, a, b, p.deformation_gradient, start, gradient, p.volume0, p.volume, p.state,
+                    p.stress, self.dt,
+                )
+            )  # fmt: skip
+        return min((q for q in found if q >= 0), default=-1)
+
+    def _take_extended(self, deform: bool) -> None:
         """Add what stands in the place of increments to nothing: that is the particles' new velocity."""
         self.particles.velocity[:] = 0.0
-        self.mapping.to_particles(self.dt, 1.0, move=True, differentiate=differentiate)
+        self._return(1.0, move=True, deform=deform)
 
     def _neumann(self, velocity: np.ndarray, external: np.ndarray) -> np.ndarray:
         """Return the series' terms after the first; conditions on them are booked."""

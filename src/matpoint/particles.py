@@ -12,7 +12,6 @@ _REQUIRED: dict[str, tuple[int, ...]] = {
     "volume": (),
     "volume0": (),
     "deformation_gradient": (3, 3),
-    "velocity_gradient": (3, 3),
     "stress": (6,),
 }
 
@@ -32,8 +31,8 @@ class Particles:
         Current and initial position [m], velocity [m/s].
     mass, volume, volume0 : ndarray, shape (n,)
         Mass [kg], current and initial volume [m^3] (unit thickness on missing axes).
-    deformation_gradient, velocity_gradient : ndarray, shape (n, 3, 3)
-        F [-] and L_ab = dv_a/dx_b [1/s].
+    deformation_gradient : ndarray, shape (n, 3, 3)
+        F [-]. (The velocity gradient is used as it comes and not kept.)
     stress : ndarray, shape (n, 6)
         Cauchy stress [Pa], order xx, yy, zz, xy, yz, xz.
     state : ndarray, shape (n, s)
@@ -52,7 +51,6 @@ class Particles:
     volume: np.ndarray
     volume0: np.ndarray
     deformation_gradient: np.ndarray
-    velocity_gradient: np.ndarray
     stress: np.ndarray
     state: np.ndarray
     affine_moment: np.ndarray

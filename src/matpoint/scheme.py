@@ -80,11 +80,13 @@ HOLD_START = Stage(
 HOLD_END = Stage(
     "conditions at the end", "v_i . n = given at t + dt", ("nodes",), ("nodes",), Engine.hold_end
 )
+_DEFORM = "F = (I + L_p dt) F, V = det F V0, sigma = law(F, L_p, dt, state)"
+_DEFORMED = ("deformation_gradient", "volume", "stress", "state")
 SCATTER = Stage(
-    "nodes to particles",
-    "v_p += sum phi a_i dt, x_p+ = x_p + sum phi v_i+ dt, L_p = sum v_i+ grad phi  (S 13-15)",
-    ("nodes", "position"),
-    ("velocity", "position (next)", "velocity_gradient"),
+    "nodes to particles and stress",
+    "v_p += sum phi a_i dt, x_p+ = x_p + sum phi v_i+ dt, L_p = sum v_i+ grad phi  (S 13-15); " + _DEFORM,
+    ("nodes", "position", "deformation_gradient", "state"),
+    ("velocity", "position (next)", *_DEFORMED),
     Engine.scatter,
 )
 MOVE = Stage(
@@ -110,10 +112,10 @@ EXTEND = Stage(
     Engine.extend,
 )
 SCATTER_EXTENDED = Stage(
-    "nodes to particles",
-    "v_p = sum phi u_i, x_p+ = x_p + sum phi v_i+ dt, L_p = sum v_i+ grad phi",
-    ("nodes", "position"),
-    ("velocity", "position (next)", "velocity_gradient"),
+    "nodes to particles and stress",
+    "v_p = sum phi u_i, x_p+ = x_p + sum phi v_i+ dt, L_p = sum v_i+ grad phi; " + _DEFORM,
+    ("nodes", "position", "deformation_gradient", "state"),
+    ("velocity", "position (next)", *_DEFORMED),
     Engine.scatter_extended,
 )
 MOVE_EXTENDED = Stage(
@@ -137,19 +139,12 @@ FULL_MASS_ONLY = Stage(
     ("nodes",),
     Engine.invert_mass_only,
 )
-DIFFERENTIATE = Stage(
-    "velocity gradient to particles",
-    "L_p = sum v_i grad phi  (S 15)",
-    ("nodes", "position"),
-    ("velocity_gradient",),
-    Engine.differentiate,
-)
-STRESS = Stage(
-    "stress",
-    "F = (I + L dt) F, V = det F V0, sigma = law(F, L, dt, state)",
-    ("deformation_gradient", "velocity_gradient", "state"),
-    ("deformation_gradient", "volume", "stress", "state"),
-    Engine.update_stress,
+DEFORM = Stage(
+    "velocity gradient and stress",
+    "L_p = sum v_i grad phi  (S 15); " + _DEFORM,
+    ("nodes", "position", "deformation_gradient", "state"),
+    _DEFORMED,
+    Engine.deform,
 )
 ADVANCE = Stage(
     "advance",
@@ -211,7 +206,7 @@ class USL(Scheme):
 
     @property
     def stages(self) -> tuple[Stage, ...]:
-        return self._with_transfer(LOCATE, CLEAR, GATHER, SOLVE, HOLD, SCATTER, STRESS, ADVANCE)
+        return self._with_transfer(LOCATE, CLEAR, GATHER, SOLVE, HOLD, SCATTER, ADVANCE)
 
 
 class USF(Scheme):
@@ -221,7 +216,7 @@ class USF(Scheme):
 
     @property
     def stages(self) -> tuple[Stage, ...]:
-        first = (LOCATE, CLEAR, GATHER_MOMENTUM, VELOCITY, HOLD_START, DIFFERENTIATE, STRESS)
+        first = (LOCATE, CLEAR, GATHER_MOMENTUM, VELOCITY, HOLD_START, DEFORM)
         return self._with_transfer(*first, CLEAR, GATHER, SOLVE, HOLD, MOVE, ADVANCE)
 
 
@@ -232,7 +227,7 @@ class MUSL(Scheme):
 
     @property
     def stages(self) -> tuple[Stage, ...]:
-        second = (CLEAR, GATHER_MOMENTUM, VELOCITY, HOLD_END, DIFFERENTIATE, STRESS, ADVANCE)
+        second = (CLEAR, GATHER_MOMENTUM, VELOCITY, HOLD_END, DEFORM, ADVANCE)
         return self._with_transfer(LOCATE, CLEAR, GATHER, SOLVE, HOLD, MOVE, *second)
 
 

@@ -160,8 +160,7 @@ def test_explain_prints_stages_in_order(case, tmp_path):
         "particles to nodes",
         "solve",
         "conditions",
-        "nodes to particles",
-        "stress",
+        "nodes to particles and stress",
         "advance",
     ]
     places = [shown.index(f". {name}:") for name in names]

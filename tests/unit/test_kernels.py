@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,8 @@ from matpoint.kernels import box, corners, ledger, locate, nodes, vector, vertex
 from matpoint.kernels.fields import per_particle
 from matpoint.kernels.stretch import stretch_boxes
 from matpoint.nodes import Nodes, gimp_axis, hat_axis, spline_axis
+from matpoint.sorting import EVERY_POINT, Slabs, cell_order
+from matpoint.threads import Team
 from reference import weights as reference
 
 GRID = Grid((0.0, -1.0, 2.0), (3.0, 3.0, 5.0), (0.5, 0.8, 0.75))
@@ -62,7 +66,7 @@ def test_box_transfers(name, dim):
     sigma = s[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
     box.particles_to_nodes(
         *field.rows, field.shape[1], field.shape[2], field.flat, np.arange(1), 0, 1,
-        np.array([0, n]), np.arange(n), x, half, v, m, V, s, b, 1.0, 1.0,
+        np.array([0, n]), np.arange(n, dtype=np.int32), x, half, v, m, V, s, b, 1.0, 1.0,
     )  # fmt: skip
     got = field.records
     np.testing.assert_allclose(got[:, 3], phi.T @ m, atol=1e-12)
@@ -106,10 +110,10 @@ def test_box_transfers(name, dim):
     inverse = np.zeros_like(D)
     inverse[:, :dim, :dim] = np.linalg.inv(D[:, :dim, :dim])
     C = expected @ inverse
-    field.clear()
+    field.records[:] = 0.0
     box.affine_to_nodes(
         *field.rows, field.shape[1], field.shape[2], field.flat, np.arange(1), 0, 1, np.array([0, n]),
-        np.arange(n), x, half, m, B, *field.coordinates,
+        np.arange(n, dtype=np.int32), x, half, m, B, *field.coordinates,
     )  # fmt: skip
     np.testing.assert_allclose(field.records[:, :3], np.einsum("pi,p,pab,pib->ia", phi, m, C, arm), atol=1e-9)
 
@@ -203,10 +207,11 @@ def test_vertex_transfers():
     connectivity = rng.integers(0, nv, (n, 4)).astype(np.int32)
     weights, v = rng.normal(size=(n, 4, 4)), rng.normal(size=(n, 3))
     m, V, s, b = rng.uniform(1, 2, n), rng.uniform(1, 2, n), rng.normal(size=(n, 6)), rng.normal(size=(1, 3))
-    slots = np.argsort(connectivity.ravel(), kind="stable")
-    pointer = np.searchsorted(connectivity.ravel()[slots], np.arange(nv + 1))
     records = vector.records(nv)
-    vertex.particles_to_vertices(0, nv, pointer, slots, weights, v, m, V, s, b, 1.0, 1.0, records.reshape(-1))
+    vertex.particles_to_vertices(
+        np.arange(2), 0, 2, np.array([0, 4, n]), connectivity, np.full(n, 4, dtype=np.int8), weights, v, m, V,
+        s, b, 1.0, 1.0, records.reshape(-1),
+    )  # fmt: skip
     R, G = np.zeros((nv, n)), np.zeros((nv, n, 3))
     for p in range(n):
         for c in range(4):
@@ -229,17 +234,38 @@ def test_vertex_transfers():
     )
     vertex.vertices_to_nodes(
         *field.rows, field.shape[1], field.shape[2], field.flat, np.arange(1), 0, 1,
-        np.array([0, nv]), np.arange(nv), x, records.reshape(-1),
+        np.array([0, nv]), np.arange(nv, dtype=np.int32), x, records.reshape(-1),
     )  # fmt: skip
     np.testing.assert_allclose(field.records, S.T @ records, atol=1e-11)
     back = vector.records(nv)
     vertex.nodes_to_vertices(
-        *field.rows, field.shape[1], field.shape[2], field.flat, 0, nv, np.arange(nv), x, back.reshape(-1)
+        *field.rows,
+        field.shape[1],
+        field.shape[2],
+        field.flat,
+        0,
+        nv,
+        np.arange(nv, dtype=np.int32),
+        x,
+        back.reshape(-1),
     )
     np.testing.assert_allclose(back, S @ field.records, atol=1e-11)
     v1, x0, x1, L = v.copy(), rng.normal(size=(n, 3)), np.zeros((n, 3)), np.zeros((n, 3, 3))
     vertex.vertices_to_particles(
-        0, n, connectivity, np.full(n, 4), weights, back.reshape(-1), v1, x0, x1, L, 0.1, 0.6, True, True
+        0,
+        n,
+        connectivity,
+        np.full(n, 4, dtype=np.int8),
+        weights,
+        back.reshape(-1),
+        v1,
+        x0,
+        x1,
+        L,
+        0.1,
+        0.6,
+        True,
+        True,
     )
     np.testing.assert_allclose(v1, 0.6 * (v + R.T @ back[:, 4:7]) + 0.4 * (R.T @ back[:, :3]), atol=1e-11)
     np.testing.assert_allclose(x1, x0 + 0.1 * (R.T @ back[:, :3]), atol=1e-11)
@@ -255,7 +281,12 @@ def test_solve_with_damping():
     records[:, 3] = [1.0, 2.0, 0.0, 3.0, 1e-300, 0.5]
     records[4, [0, 1, 2, 4, 5, 6]] *= 1e-300
     start, dt, rate, factor = records.copy(), 0.1, 0.4, 0.3
-    nodes.solve(records, 0, 6, dt, rate, factor)
+    other = records.copy()
+    nodes.solve(records.reshape(-1), 1, 3, 2, 1, (1, 0, 0), (3, 2, 1), dt, rate, factor)
+    np.testing.assert_array_equal(records[:2], other[:2])  # nodes of the first plane are not active
+    nodes.solve(records.reshape(-1), 0, 1, 2, 1, (0, 0, 0), (1, 2, 1), dt, rate, factor)
+    nodes.solve_extra(other.reshape(-1), 0, 6, dt, rate, factor)
+    np.testing.assert_array_equal(records, other)
     for n in range(6):
         m = start[n, 3]
         if m == 0.0:
@@ -288,27 +319,72 @@ def test_constrain_and_its_reaction(flip):
     np.testing.assert_allclose(external[:3], start[:, 3] @ change, atol=1e-12)
 
 
-def test_order_by_slab_is_a_stable_sort():
+@pytest.mark.parametrize("threads", [1, 3])
+def test_slabs_are_a_stable_sort_across_the_axis_that_the_points_fill(threads):
     rng = np.random.default_rng(6)
-    x = rng.uniform(0, 10, (50, 3))
-    points = rng.permutation(50)[:40]
-    pointer, order, scratch = (
-        np.zeros(6, dtype=np.int64),
-        np.zeros(40, dtype=np.int64),
-        np.zeros(40, dtype=np.int64),
-    )
-    locate.order_by_slab(x, 1, 0.0, 0.5, points, scratch, pointer, order)
-    slab = np.minimum((x[points, 1] * 0.5).astype(int), 4)
-    np.testing.assert_array_equal(order, points[np.argsort(slab, kind="stable")])
-    np.testing.assert_array_equal(pointer, np.searchsorted(np.sort(slab), np.arange(6)))
+    field = Nodes([hat_axis(GRID, k, 0, 0) for k in range(3)])
+    x = rng.uniform(np.array(GRID.lower), np.array(GRID.upper), (5000, 3))
+    chosen = rng.permutation(5000)[:4000].astype(np.int32)
+    team = Team(threads)
+    for points in (chosen, EVERY_POINT):
+        picked = points if len(points) else np.arange(5000)
+        slabs = Slabs(field, team, 5000, points)
+        slabs.renew(x, x.min(0), x.max(0))  # 6, 5 and 4 cells: across the first axis, two thick
+        slab = ((x[picked, 0] - GRID.lower[0]) / GRID.cell[0]).astype(int) // 2
+        np.testing.assert_array_equal(slabs.order, picked[np.argsort(slab, kind="stable")])
+        np.testing.assert_array_equal(slabs.pointer, np.searchsorted(np.sort(slab), np.arange(4)))
+    corner = x[x[:, 0] < 0.4]
+    slabs = Slabs(field, team, len(corner))
+    slabs.renew(corner, corner.min(0), corner.max(0))
+    slab = ((corner[:, 1] - GRID.lower[1]) / GRID.cell[1]).astype(int) // 2
+    np.testing.assert_array_equal(slabs.order, np.argsort(slab, kind="stable"))
+    team.close()
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_cell_order_is_a_stable_sort(dim, threads):
+    rng = np.random.default_rng(7)
+    grid = Grid(GRID.lower[:dim], GRID.upper[:dim], GRID.cell[:dim])
+    x = np.zeros((5000, 3))
+    x[:, :dim] = rng.uniform(np.array(grid.lower) - 1e-3, np.array(grid.upper) + 1e-3, (5000, dim))
+    cells = np.floor((x[:, :dim] - grid.lower) / grid.cell).astype(int) + 1
+    key = np.ravel_multi_index(cells.T, np.array(grid.cells) + 2)
+    team = Team(threads)
+    np.testing.assert_array_equal(cell_order(team, grid, x), np.argsort(key, kind="stable"))
+    team.close()
+
+
+def test_runs_of_particles_two_apart_share_no_vertex():
+    rng = np.random.default_rng(8)
+    n, nv = 400, 300
+    near = np.sort(rng.integers(0, nv - 20, n))
+    connectivity = (near[:, None] + rng.integers(0, 20, (n, 4))).astype(np.int32)
+    connectivity[::7, 3] = -1
+    edges = np.zeros(n + 2, dtype=np.int64)
+    taken = vertex.independent_blocks(connectivity, nv, 8, edges)
+    edges = edges[:taken]
+    assert edges[0] == 0
+    assert edges[-1] == n
+    assert (np.diff(edges)[:-1] >= 8).all()
+    runs = [set(connectivity[a:b].ravel().tolist()) - {-1} for a, b in itertools.pairwise(edges.tolist())]
+    assert len(runs) > 5
+    for k, run in enumerate(runs):
+        for other in runs[k + 2 :]:
+            assert not run & other
 
 
 def test_points_outside_are_found():
     x = np.array([[0.5, 0, 0], [1.5, 0, 0], [np.nan, 0, 0]])
     low, high = np.array([0.0, -np.inf, -np.inf]), np.array([1.0, np.inf, np.inf])
-    assert locate.find_outside(x, 0, 1, low, high) == -1
-    assert locate.find_outside(x, 0, 3, low, high) == 1
-    assert locate.find_outside(x, 2, 3, low, high) == 2
+    least, most = np.zeros(3), np.zeros(3)
+    assert locate.survey(x, 0, 1, low, high, least, most) == -1
+    assert locate.survey(x, 0, 3, low, high, least, most) == 1
+    assert locate.survey(x, 2, 3, low, high, least, most) == 2
+    y = np.random.default_rng(1).normal(size=(20, 3))
+    assert locate.survey(y, 0, 20, low - np.inf, high + np.inf, least, most) == -1
+    np.testing.assert_array_equal(least, y.min(axis=0))
+    np.testing.assert_array_equal(most, y.max(axis=0))
     half = np.full((3, 3), 0.6)
     assert locate.find_stretched(x, half, 0, 1, low, high) == 0
 

@@ -81,7 +81,7 @@ def test_a_step_is_that_of_dense_matrices(interpolation, kind):
         expected = S @ moves
     np.testing.assert_allclose(p.velocity[:, 0], expected, rtol=0, atol=1e-11)
     np.testing.assert_allclose(p.position[:, 0], x + S @ moves * dt, rtol=0, atol=1e-14)
-    np.testing.assert_allclose(p.velocity_gradient[:, 0, 0], slope @ moves, rtol=0, atol=1e-9)
+    np.testing.assert_allclose((p.deformation_gradient[:, 0, 0] - 1.0) / dt, slope @ moves, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("interpolation", CHOICES, ids=_id)

@@ -84,14 +84,21 @@ class BoxMapping(Mapping):
             kinematic=kinematic, dynamic=dynamic,
         )  # fmt: skip
 
-    def to_particles(self, dt: float, flip: float, *, move: bool, differentiate: bool) -> None:
+    def bring(
+        self,
+        start: int,
+        stop: int,
+        dt: float,
+        flip: float,
+        gradient: np.ndarray,
+        *,
+        move: bool,
+        differentiate: bool,
+    ) -> None:
         p, n = self.particles, self.nodes
-        self.team.split(
-            len(p),
-            lambda a, b: kernels.nodes_to_particles(
-                *n.rows, n.shape[1], n.shape[2], n.flat, a, b, p.position, self.half, p.velocity,
-                self.position_next, p.velocity_gradient, dt, flip, move, differentiate,
-            ),
+        kernels.nodes_to_particles(
+            *n.rows, n.shape[1], n.shape[2], n.flat, start, stop, p.position, self.half, p.velocity,
+            self.position_next, gradient, dt, flip, move, differentiate,
         )  # fmt: skip
 
     def affine_to_nodes(self) -> None:

@@ -24,6 +24,10 @@ from matpoint.places import Corners, Surface
 from matpoint.threads import Team
 from matpoint.vertices import Vertices
 
+#: ``deform(start, stop, gradient)`` deforms particles start:stop; it returns the first that can't be, or -1.
+Deform = Callable[[int, int, np.ndarray], int]
+_BLOCK = 8192  # particles whose gradients, 0.6 MB, fit into a processor's second cache
+
 
 class ParticleError(Exception):
     """A particle that can't go on; the simulation adds step, time, id and position."""
@@ -156,8 +160,50 @@ class Mapping(ABC):
         """
 
     @abstractmethod
-    def to_particles(self, dt: float, flip: float, *, move: bool, differentiate: bool) -> None:
-        """Bring velocity and next position (``move``), or the velocity gradient, to the particles."""
+    def bring(
+        self,
+        start: int,
+        stop: int,
+        dt: float,
+        flip: float,
+        gradient: np.ndarray,
+        *,
+        move: bool,
+        differentiate: bool,
+    ) -> None:
+        """Bring velocity and next position (``move``) and the velocity gradient to particles start:stop.
+
+        ``gradient`` (m, 3, 3) [1/s] is theirs alone, from ``start`` on. Called on several threads at once.
+        """
+
+    def nodes_to_vertices(self) -> None:  # noqa: B027 (only one family has them)
+        """Bring the nodes' velocities to the corners of domains, if it has any."""
+
+    def move_vertices(self, dt: float) -> None:  # noqa: B027 (most stay)
+        """Take note of where the corners of domains go, if the grid's velocity carries them."""
+
+    def to_particles(self, dt: float, flip: float, *, move: bool, deform: Deform | None = None) -> int:
+        """Bring velocity and next position (``move``) to the particles, and deform them.
+
+        ``deform`` is handed velocity gradients of a block of particles as soon as they are known, while
+        they are in the processor's cache; none are kept. Return the lowest particle that it refused, or -1.
+        """
+        self.nodes_to_vertices()
+
+        def piece(start: int, stop: int) -> int:
+            gradient = np.empty((min(_BLOCK, stop - start) if deform else 0, 3, 3))
+            for a in range(start, stop, _BLOCK):
+                b = min(a + _BLOCK, stop)
+                self.bring(a, b, dt, flip, gradient, move=move, differentiate=deform is not None)
+                bad = -1 if deform is None else deform(a, b, gradient)
+                if bad >= 0:
+                    return bad
+            return -1
+
+        bad = first_fault(self.team, len(self.particles), piece)
+        if move and bad < 0:
+            self.move_vertices(dt)
+        return bad
 
     @abstractmethod
     def advance(self) -> None:
@@ -187,7 +233,7 @@ class Mapping(ABC):
         if v is not None:
             v.position_next = np.zeros_like(v.position_next)
         n[:, :3], n[:, 4:7] = velocity, 0.0
-        self.to_particles(0.0, 0.0, move=True, differentiate=False)
+        self.to_particles(0.0, 0.0, move=True)
         n[:, :3] = 0.0
         self.velocities_to_nodes()
         mass = n[:, 3:4]

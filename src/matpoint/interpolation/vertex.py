@@ -81,8 +81,8 @@ class VertexMapping(Mapping):
         # An enriched vertex is a node: zeta = 1 for its own degree of freedom (S 26, corrected).
         n.records[n.on_grid :] += v.records[v.enriched]
 
-    def to_particles(self, dt: float, flip: float, *, move: bool, differentiate: bool) -> None:
-        p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs
+    def nodes_to_vertices(self) -> None:
+        v, n, s = self.vertices, self.nodes, self._slabs
         self.team.split(
             len(s.order),
             lambda a, b: kernels.nodes_to_vertices(
@@ -90,15 +90,23 @@ class VertexMapping(Mapping):
             ),
         )
         v.records[v.enriched] = n.records[n.on_grid :]
-        self.team.split(
-            len(p),
-            lambda a, b: kernels.vertices_to_particles(
-                a, b, v.connectivity, v.count, v.weights, v.flat, p.velocity, p.position,
-                self.position_next, p.velocity_gradient, dt, flip, move, differentiate,
-            ),
+
+    def bring(
+        self,
+        start: int,
+        stop: int,
+        dt: float,
+        flip: float,
+        gradient: np.ndarray,
+        *,
+        move: bool,
+        differentiate: bool,
+    ) -> None:
+        p, v = self.particles, self.vertices
+        kernels.vertices_to_particles(
+            start, stop, v.connectivity, v.count, v.weights, v.flat, p.velocity, p.position,
+            self.position_next, gradient, dt, flip, move, differentiate,
         )  # fmt: skip
-        if move:
-            self.move_vertices(dt)
 
     def push(self, loads: Sequence[tuple[np.ndarray, np.ndarray]]) -> None:
         self._loads = loads
@@ -107,9 +115,6 @@ class VertexMapping(Mapping):
         """Add the forces that act on vertices themselves to their records."""
         for vertices, force in self._loads:
             add_forces(vertices, force, self.vertices.flat)
-
-    def move_vertices(self, dt: float) -> None:
-        """Take note of where the vertices go, if the grid's velocity carries them."""
 
     def advance(self) -> None:
         p = self.particles

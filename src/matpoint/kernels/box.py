@@ -49,7 +49,7 @@ def nodes_to_particles(
 ):  # fmt: skip
     """Velocity and position (S 13, 14) if ``move``, velocity gradient (S 15) if ``differentiate``.
 
-    ``flip`` is FLIP's share of the velocity, the rest is PIC.
+    ``flip`` is FLIP's share of the velocity, the rest is PIC. ``gradient`` is of these particles only.
     """
     for p in range(start, stop):
         h = p if half.shape[0] > 1 else 0
@@ -80,9 +80,9 @@ def nodes_to_particles(
                 v[p, a] = flip * (v[p, a] + lane(value, a + 4)) + (1.0 - flip) * lane(value, a)
                 x_next[p, a] = x[p, a] + dt * lane(value, a)
             if differentiate:
-                gradient[p, a, 0] = lane(along_x, a)
-                gradient[p, a, 1] = lane(along_y, a)
-                gradient[p, a, 2] = lane(along_z, a)
+                gradient[p - start, a, 0] = lane(along_x, a)
+                gradient[p - start, a, 1] = lane(along_y, a)
+                gradient[p - start, a, 2] = lane(along_z, a)
 
 
 @kernel

@@ -56,7 +56,7 @@ def increment(L: Tensor, dt: float) -> Tensor:
 
 
 @kernel
-def update_stress(params, index, start, stop, F, L, volume0, volume, state, stress, dt):
+def update_stress(params, index, start, stop, F, first, L, volume0, volume, state, stress, dt):
     """Advance F, volume, state and stress of particles ``index[start:stop]`` (T 38, S 1-15).
 
     F_new = (I + dt L) F, V = det(F_new) V0, then the law of ``params``.
@@ -67,8 +67,10 @@ def update_stress(params, index, start, stop, F, L, volume0, volume, state, stre
         Named tuple of the material's parameters; its class chooses the law.
     index, start, stop
         Particles of one material, int64 (m,), and the range of them to do.
-    F, L
-        Deformation gradients (updated) and velocity gradients [1/s], (n, 3, 3).
+    F
+        Deformation gradients (updated), (n, 3, 3).
+    first, L
+        Velocity gradients [1/s] of the particles from ``first`` on, (m, 3, 3).
     volume0, volume
         Reference volumes and current ones (written) [m³], (n,).
     state
@@ -88,7 +90,7 @@ def update_stress(params, index, start, stop, F, L, volume0, volume, state, stre
     for k in range(start, stop):
         p = index[k]
         F_old = load(F, p)
-        L_p = load(L, p)
+        L_p = load(L, p - first)
         F_new = dot(increment(L_p, dt), F_old)
         J = det(F_new)
         if not 0.0 < J < inf:
@@ -131,7 +133,7 @@ def stress_kernel(material: _HasLaw) -> Callable[..., int]:
     state = np.empty((0, len(material.state_variables)))
     try:  # no particles: this only compiles, or loads from the cache
         compiled(
-            params, np.empty(0, np.int64), 0, 0, tensors, tensors, none, none, state, np.empty((0, 6)), 0.0
+            params, np.empty(0, np.int64), 0, 0, tensors, 0, tensors, none, none, state, np.empty((0, 6)), 0.0
         )
     except NumbaError as error:
         law: Any = law_of(params)

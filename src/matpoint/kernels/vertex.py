@@ -106,7 +106,10 @@ def nodes_to_vertices(ax, ay, az, ny, nz, nodes, start, stop, points, x, records
 def vertices_to_particles(
     start, stop, corners, count, weights, records, v, x, x_next, gradient, dt, flip, move, differentiate
 ):
-    """Velocity and position (S 13, 14) if ``move``, velocity gradient (S 15) if ``differentiate``."""
+    """Velocity and position (S 13, 14) if ``move``, velocity gradient (S 15) if ``differentiate``.
+
+    ``gradient`` is of these particles only.
+    """
     for p in range(start, stop):
         value, along_x, along_y, along_z = zero(), zero(), zero(), zero()
         for c in range(count[p]):
@@ -120,9 +123,9 @@ def vertices_to_particles(
                 v[p, a] = flip * (v[p, a] + lane(value, a + 4)) + (1.0 - flip) * lane(value, a)
                 x_next[p, a] = x[p, a] + dt * lane(value, a)
             if differentiate:
-                gradient[p, a, 0] = lane(along_x, a)
-                gradient[p, a, 1] = lane(along_y, a)
-                gradient[p, a, 2] = lane(along_z, a)
+                gradient[p - start, a, 0] = lane(along_x, a)
+                gradient[p - start, a, 1] = lane(along_y, a)
+                gradient[p - start, a, 2] = lane(along_z, a)
 
 
 @kernel
