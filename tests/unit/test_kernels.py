@@ -209,8 +209,8 @@ def test_vertex_transfers():
     m, V, s, b = rng.uniform(1, 2, n), rng.uniform(1, 2, n), rng.normal(size=(n, 6)), rng.normal(size=(1, 3))
     records = vector.records(nv)
     vertex.particles_to_vertices(
-        np.arange(2), 0, 2, np.array([0, 4, n]), connectivity, np.full(n, 4, dtype=np.int8), weights, v, m, V,
-        s, b, 1.0, 1.0, records.reshape(-1),
+        True, np.arange(2), 0, 2, np.array([0, 4, n]), connectivity, np.full(n, 4, dtype=np.int8),
+        weights, v, m, V, s, b, 1.0, 1.0, records.reshape(-1),
     )  # fmt: skip
     R, G = np.zeros((nv, n)), np.zeros((nv, n, 3))
     for p in range(n):

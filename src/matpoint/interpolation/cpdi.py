@@ -16,48 +16,60 @@ from matpoint.kernels.vertex import move_vertices
 from matpoint.quality import altitudes
 from matpoint.vertices import Vertices
 
+
+def _signs(dim: int) -> np.ndarray:
+    """Which way the half edge vectors go to each corner, shape (2^dim, 3)."""
+    return SIGNS[: 2**dim] * (np.arange(3) < dim)
+
+
 KIND_OF_DIM = (0, 1, 2)  # line, quadrilateral, hexahedron
 
 
 class StretchedVertices(VertexMapping):
     """Corners of x_p +- r_k with r_k = F r_k0, each particle's own (S 16).
 
-    Corner c of the particle with id q is vertex q * 2^dim + c, whatever the particles' order.
+    Corner c of particle p is vertex p * 2^dim + c, so that vertices follow the particles' order.
     """
+
+    shared = False
 
     def __init__(self, setting: Setting) -> None:
         self.dim = setting.grid.dim
         self._edges = np.ascontiguousarray(setting.domains_edges)
         n, count = len(setting.particles), 2**self.dim
-        corners = setting.particles.id[:, None] * count + np.arange(count)
-        kind = np.full(n, KIND_OF_DIM[self.dim - 1])
-        self._by_id = np.argsort(setting.particles.id)
-        super().__init__(setting, Vertices(np.zeros((n * count, 3)), corners, kind))
-        self.vertices.position0[:] = self.vertices.position
+        corners = np.arange(n * count, dtype=np.int32).reshape(n, count)
+        self._all = np.arange(n, dtype=np.int32)
+        super().__init__(
+            setting, Vertices(np.zeros((n * count, 3)), corners, np.full(n, KIND_OF_DIM[self.dim - 1]))
+        )
+        self._begin()
+
+    def _begin(self) -> None:
+        """Find where the corners were at first."""
+        x = self.particles.position0[:, None] + _signs(self.dim) @ self._edges
+        self.vertices.position0[:] = x.reshape(-1, 3)
 
     def update_domains(self) -> None:
         p, v = self.particles, self.vertices
         self.team.split(
             len(p),
             lambda a, b: parallelepipeds(
-                a, b, self._by_id, 0, self.dim, p.position, p.deformation_gradient, self._edges,
+                a, b, self._all, 0, self.dim, p.position, p.deformation_gradient, self._edges,
                 v.position, v.weights,
             ),
         )  # fmt: skip
 
     def permute(self, order: np.ndarray) -> None:
         self._edges = np.ascontiguousarray(self._edges[order])
-        self._by_id = np.argsort(self.particles.id)
-        super().permute(order)
+        self._begin()
+        self.update_domains()
 
     def state(self) -> dict[str, np.ndarray]:
-        return {"edges": self._edges, "connectivity": self.vertices.connectivity}
+        return {"edges": self._edges}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         self._edges = np.array(arrays["edges"])
-        self._by_id = np.argsort(self.particles.id)
-        self.vertices.connectivity = np.array(arrays["connectivity"])
-        self.vertices.link()
+        self._begin()
         self.update_domains()
 
 
@@ -74,7 +86,7 @@ class ConvectedVertices(VertexMapping):
         self.dim, self._on_inversion = setting.grid.dim, on_inversion
         self._edges = np.ascontiguousarray(setting.domains_edges)
         self._shared = len(setting.vertices)
-        self.fallen = np.zeros(0, dtype=np.int64)
+        self.fallen = np.zeros(0, dtype=np.int32)
         vertices = Vertices(setting.vertices, setting.connectivity, setting.kind)
         vertices.enrich(np.union1d(enriched, setting.held))
         self._hourglass = HourglassControl(vertices, setting, hourglass) if hourglass > 0 else None
@@ -110,8 +122,7 @@ class ConvectedVertices(VertexMapping):
 
     def _fall_back(self, particle: int) -> None:
         """Give a particle a parallelepiped of its own instead of shared corners."""
-        signs = SIGNS[: 2**self.dim] * (np.arange(3) < self.dim)
-        first = self.particles.position0[particle] + signs @ self._edges[particle]
+        first = self.particles.position0[particle] + _signs(self.dim) @ self._edges[particle]
         self.vertices.detach(particle, first, KIND_OF_DIM[self.dim - 1])
         self.fallen = np.append(self.fallen, particle)
         if self._hourglass is not None:

@@ -12,23 +12,26 @@ from matpoint.grid import Grid
 from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting, first_fault
 from matpoint.kernels.locate import find_stretched
-from matpoint.kernels.stretch import stretch_boxes
+from matpoint.kernels.stretch import longest_box, stretch_boxes
 from matpoint.nodes import Axis, gimp_axis
 from matpoint.sorting import Slabs
+from matpoint.threads import Team
 
 _BELOW, _ABOVE = 3, 8  # nodes beyond the box, for domains of up to 6 cells
 _SAME = 1e-12  # relative difference of lengths that only rounding makes
 _REACHES = (3, 5, 8)  # rows are compiled for these lengths
 
 
-def _reach(half: np.ndarray, grid: Grid) -> int:
+def _reach(team: Team, half: np.ndarray, grid: Grid) -> int:
     """The shortest row that sees every domain: 2l <= h, 3h, 6h."""
-    longest = float(np.max(2.0 * half[:, : grid.dim].max(axis=0) / np.array(grid.cell)))
+    inverse = np.zeros(3)
+    inverse[: grid.dim] = 1.0 / np.array(grid.cell)
+    longest = max(team.split(len(half), lambda a, b: longest_box(half, a, b, inverse)))
     for reach in _REACHES:
         if longest <= reach - 2 + 1e-9:
             return reach
     raise ParticleError(
-        int(np.argmax((half[:, : grid.dim] / np.array(grid.cell)).max(axis=1))),
+        int(np.argmax((half * inverse).max(axis=1))),
         f"its domain is {longest:.3g} cells long and {_REACHES[-1] - 2} is the most; use CPDI",
     )
 
@@ -55,7 +58,7 @@ class UGIMP(Interpolation):
 
     def bind(self, setting: Setting) -> Mapping:
         half = _shared(setting.domains_half)
-        return BoxMapping(setting, _axes(setting.grid, _reach(half, setting.grid)), half)
+        return BoxMapping(setting, _axes(setting.grid, _reach(setting.team, half, setting.grid)), half)
 
 
 class _StretchedMapping(BoxMapping):
@@ -64,7 +67,7 @@ class _StretchedMapping(BoxMapping):
     def __init__(self, setting: Setting, use_stretch_tensor: bool) -> None:
         self._half0 = setting.domains_half
         self._use_stretch_tensor = use_stretch_tensor
-        self._reach = _reach(self._half0, setting.grid)
+        self._reach = _reach(setting.team, self._half0, setting.grid)
         super().__init__(setting, _axes(setting.grid, self._reach), self._half0.copy())
         grid = setting.grid
         reach = np.array(grid.cell) * _BELOW
@@ -91,7 +94,7 @@ class _StretchedMapping(BoxMapping):
             raise ParticleError(
                 bad, "a diagonal component of F is not positive; use CPGIMP(stretch='U') or CPDI"
             )
-        self._set_reach(_reach(self.half, self.grid))
+        self._set_reach(_reach(self.team, self.half, self.grid))
 
     def _set_reach(self, reach: int) -> None:
         if reach != self._reach:
@@ -109,7 +112,7 @@ class _StretchedMapping(BoxMapping):
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         super().restore(arrays)
         self._half0 = np.array(arrays["half0"])
-        self._set_reach(_reach(self.half, self.grid))
+        self._set_reach(_reach(self.team, self.half, self.grid))
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,6 +20,8 @@ _PAD = 2  # cells beyond the box, where corners of domains may reach
 
 class VertexMapping(Mapping):
     """Two-level transfers; a subclass says how vertices come about and how domains advance."""
+
+    shared: ClassVar[bool] = True  # several particles may have a corner in common
 
     def __init__(self, setting: Setting, vertices: Vertices) -> None:
         grid = setting.grid
@@ -62,12 +65,13 @@ class VertexMapping(Mapping):
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs
-        self.team.split(len(v), lambda a, b: v.records[a:b].fill(0.0))
+        if self.shared:
+            self.team.split(len(v), lambda a, b: v.records[a:b].fill(0.0))
         self.team.coloured(
             v.edges,
             lambda runs, a, b: kernels.particles_to_vertices(
-                runs, a, b, v.edges, v.connectivity, v.count, v.weights, p.velocity, p.mass, p.volume,
-                p.stress, body, float(kinematic), float(dynamic), v.flat,
+                self.shared, runs, a, b, v.edges, v.connectivity, v.count, v.weights, p.velocity, p.mass,
+                p.volume, p.stress, body, float(kinematic), float(dynamic), v.flat,
             ),
         )  # fmt: skip
         if dynamic:

@@ -24,7 +24,9 @@ from matpoint.kernels.vector import (
     pack,
     plus,
     scale,
-    store_rows,
+    splat,
+    store_quadruples,
+    store_triples,
     times,
 )
 
@@ -35,7 +37,8 @@ SIGNS = np.array(
 )
 # A linear function's values at the two Gauss points of an edge, from those at its ends.
 _NEAR, _FAR = 0.5 + 0.5 / np.sqrt(3.0), 0.5 - 0.5 / np.sqrt(3.0)
-_HALF_X, _HALF_Y, _HALF_Z = (np.ascontiguousarray(0.5 * SIGNS[:, k]) for k in range(3))
+_SIGN_X, _SIGN_Y, _SIGN_Z = (np.ascontiguousarray(SIGNS[:, k]) for k in range(3))
+_HALF_X, _HALF_Y, _HALF_Z = 0.5 * _SIGN_X, 0.5 * _SIGN_Y, 0.5 * _SIGN_Z
 
 
 @device
@@ -204,7 +207,7 @@ def _hexahedron(p, corners, x, flat, position):
     share = _toward_gauss(det, across_x(det))
     share = _toward_gauss(share, across_y(share))
     share = scale(inverse, _toward_gauss(share, across_z(share)))
-    store_rows(
+    store_quadruples(
         flat, 32 * p, share,
         scale(inverse, _pull(st[0], tr[0], rs[0])),
         scale(inverse, _pull(st[1], tr[1], rs[1])),
@@ -243,6 +246,12 @@ def corner_weights(start, stop, kind, corners, x, weights, position):
     return -1
 
 
+@device
+def _spread(centre, r, s, t):
+    """Centre +- r +- s +- t at the eight corners."""
+    return fma(t, load(_SIGN_Z, 0), fma(s, load(_SIGN_Y, 0), fma(r, load(_SIGN_X, 0), splat(centre))))
+
+
 @kernel
 def parallelepipeds(start, stop, index, first, dim, position, F, edges, x, weights):
     """Corners x_p + sum s_k r_k with r_k = F r_k0 (S 16) and their weights (S 18, 19) for CPDI1.
@@ -253,6 +262,7 @@ def parallelepipeds(start, stop, index, first, dim, position, F, edges, x, weigh
     """
     count = 2**dim
     fold = 2.0 ** (3 - dim)
+    flat, places = weights.reshape(-1), x.reshape(-1)
     for q in range(start, stop):
         p, vertex = index[q], first + q * count
         r = (0.0,) * 9
@@ -263,11 +273,23 @@ def parallelepipeds(start, stop, index, first, dim, position, F, edges, x, weigh
         # Rows of the cofactor matrix are r2 x r3, r3 x r1, r1 x r2.
         e = _cofactors(r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8])
         s = fold / (8.0 * (r[0] * e[0][0] + r[1] * e[0][1] + r[2] * e[0][2]))
+        if dim == 3:
+            store_triples(
+                places, 3 * vertex,
+                _spread(position[p, 0], r[0], r[3], r[6]),
+                _spread(position[p, 1], r[1], r[4], r[7]),
+                _spread(position[p, 2], r[2], r[5], r[8]),
+            )  # fmt: skip
+            store_quadruples(
+                flat, 32 * p, splat(0.125),
+                _spread(0.0, s * e[0][0], s * e[1][0], s * e[2][0]),
+                _spread(0.0, s * e[0][1], s * e[1][1], s * e[2][1]),
+                _spread(0.0, s * e[0][2], s * e[1][2], s * e[2][2]),
+            )  # fmt: skip
+            continue
         for c in range(count):
-            u = SIGNS[c, 0]
-            v = SIGNS[c, 1] if dim > 1 else 0.0
-            w = SIGNS[c, 2] if dim > 2 else 0.0
+            u, v = SIGNS[c, 0], SIGNS[c, 1] if dim > 1 else 0.0
             for a in range(3):
-                x[vertex + c, a] = position[p, a] + u * r[a] + v * r[3 + a] + w * r[6 + a]
-                weights[p, c, a + 1] = s * (u * e[0][a] + v * e[1][a] + w * e[2][a])
+                x[vertex + c, a] = position[p, a] + u * r[a] + v * r[3 + a]
+                weights[p, c, a + 1] = s * (u * e[0][a] + v * e[1][a])
             weights[p, c, 0] = 1.0 / count

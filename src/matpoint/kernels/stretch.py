@@ -12,6 +12,18 @@ def _gram(F, p, i, j):
 
 
 @kernel
+def longest_box(half, start, stop, inverse):
+    """The longest of the boxes start:stop in cells, max 2 l_k / h_k; ``inverse`` is 1/h, 0 on missing axes."""
+    longest = 0.0
+    for p in range(start, stop):
+        a, b, c = half[p, 0] * inverse[0], half[p, 1] * inverse[1], half[p, 2] * inverse[2]
+        a = b if b > a else a
+        a = c if c > a else a
+        longest = a if a > longest else longest
+    return 2.0 * longest
+
+
+@kernel
 def stretch_boxes(start, stop, F, half0, half, use_stretch_tensor):
     """l_k = l_k0 F_kk, or U_kk with U = sqrt(F^T F) (methods, section 2).
 

@@ -106,6 +106,16 @@ def scale(typingctx: Any, scalar: Any, value: Any) -> Any:
 
 
 @intrinsic
+def splat(typingctx: Any, scalar: Any) -> Any:
+    """One scalar in every lane."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _splat(builder, args[0])
+
+    return lanes(types.float64), generate
+
+
+@intrinsic
 def fma(typingctx: Any, scalar: Any, value: Any, total: Any) -> Any:
     """``total + scalar * value`` in every lane."""
 
@@ -176,18 +186,39 @@ across_y = _reordered([3, 2, 1, 0, 7, 6, 5, 4])
 across_z = _reordered([4, 5, 6, 7, 0, 1, 2, 3])
 
 
+def _store_rows(context: Any, builder: Any, array_type: Any, args: Any) -> Any:
+    """Write columns (lanes) side by side as rows to ``array[index:]``."""
+    array, index, *columns = args
+    # Vectors are joined two by two: the last of an odd number goes with itself, and is taken once.
+    while len(columns) > 1:
+        pairs = zip(columns[::2], [*columns[1::2], columns[-1]], strict=False)
+        columns = [_shuffle(builder, a, b, range(2 * a.type.count)) for a, b in pairs]
+    width, joined = len(args) - 2, columns[0]
+    rows = _shuffle(
+        builder, joined, joined, [LANES * part + k for k in range(LANES) for part in range(width)]
+    )
+    data = context.make_array(array_type)(context, builder, array).data
+    place = builder.bitcast(builder.gep(data, [index]), rows.type.as_pointer())
+    builder.store(rows, place).align = 8
+    return context.get_dummy_value()
+
+
 @intrinsic
-def store_rows(typingctx: Any, array: Any, index: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+def store_triples(typingctx: Any, array: Any, index: Any, a: Any, b: Any, c: Any) -> Any:
+    """Write three lanes side by side as eight rows (a_k, b_k, c_k) to ``array[index : index + 24]``."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _store_rows(context, builder, signature.args[0], args)
+
+    return types.none(array, types.intp, lanes, lanes, lanes), generate
+
+
+@intrinsic
+def store_quadruples(typingctx: Any, array: Any, index: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
     """Write four lanes side by side as eight rows (a_k, b_k, c_k, d_k) to ``array[index : index + 32]``."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        ab = _shuffle(builder, args[2], args[3], range(2 * LANES))
-        cd = _shuffle(builder, args[4], args[5], range(2 * LANES))
-        rows = _shuffle(builder, ab, cd, [8 * part + k for k in range(LANES) for part in range(4)])
-        data = context.make_array(signature.args[0])(context, builder, args[0]).data
-        place = builder.bitcast(builder.gep(data, [args[1]]), rows.type.as_pointer())
-        builder.store(rows, place).align = 8
-        return context.get_dummy_value()
+        return _store_rows(context, builder, signature.args[0], args)
 
     return types.none(array, types.intp, lanes, lanes, lanes, lanes), generate
 

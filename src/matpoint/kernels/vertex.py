@@ -43,12 +43,13 @@ def independent_blocks(corners, vertices, smallest, edges):
 
 @kernel
 def particles_to_vertices(
-    runs, start, stop, edges, corners, count, weights, v, mass, volume, stress, body, kinematic, dynamic,
+    shared, runs, start, stop, edges, corners, count, weights, v, mass, volume, stress, body, kinematic, dynamic,
     records,
 ):  # fmt: skip
     """Add what particles bring to the records of their corners (S 1, 2, 9, 23).
 
-    The particles are those of runs[start:stop], run k being edges[k]:edges[k + 1].
+    The particles are those of runs[start:stop], run k being edges[k]:edges[k + 1]. Unless corners are
+    ``shared``, what the records held is overwritten.
     """
     for q in range(start, stop):
         for p in range(edges[runs[q]], edges[runs[q] + 1]):
@@ -57,7 +58,7 @@ def particles_to_vertices(
             )
             for c in range(count[p]):
                 a = 8 * corners[p, c]
-                record = fma(weights[p, c, 0], content, load(records, a))
+                record = fma(weights[p, c, 0], content, load(records, a) if shared else zero())
                 record = fma(weights[p, c, 1], pull_x, record)
                 record = fma(weights[p, c, 2], pull_y, record)
                 store(records, a, fma(weights[p, c, 3], pull_z, record))
