@@ -71,7 +71,7 @@ def test_conserves_mass_momentum_and_balances_forces(choice, dim, kind, seed):
     setting, mapping, rng = _bound(choice, dim, kind, seed)
     p, records = setting.particles, mapping.nodes.records
     body = rng.normal(size=(len(p), 3))
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(body, kinematic=True, dynamic=True)
     np.testing.assert_allclose(records[:, 3].sum(), p.mass.sum(), rtol=1e-12)
     np.testing.assert_allclose(records[:, :3].sum(axis=0), p.mass @ p.velocity, rtol=0, atol=1e-11)
@@ -89,7 +89,7 @@ def test_stress_makes_no_net_force_or_moment_and_is_work_conjugate(choice, dim, 
     setting, mapping, rng = _bound(choice, dim, kind, seed)
     p, records = setting.particles, mapping.nodes.records
     p.stress[:] = rng.normal(size=6)  # constant stress
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=False, dynamic=True)
     force, x_i = records[:, 4:7].copy(), mapping.points()
     np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-9)
@@ -98,7 +98,7 @@ def test_stress_makes_no_net_force_or_moment_and_is_work_conjugate(choice, dim, 
     active = {1: (), 2: (2,), 3: (0, 1, 2)}[dim]
     np.testing.assert_allclose(moment[list(active)], 0.0, atol=1e-8)
     p.stress[:] = rng.normal(size=p.stress.shape)
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=False, dynamic=True)
     force = records[:, 4:7].copy()
     velocity = rng.normal(size=force.shape)

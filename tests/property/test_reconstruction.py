@@ -99,7 +99,7 @@ def test_imls_is_mls_where_every_matrix_is_regular(dim):
     records = []
     for choice in (mp.IMLS(), mp.MLS(), mp.MLS(raw=True)):
         _, mapping, _ = filled(choice, dim, 3)
-        mapping.nodes.clear()
+        mapping.nodes.clear(mapping.team)
         mapping.to_nodes(np.ones((1, 3)), kinematic=True, dynamic=True)
         records.append(mapping.nodes.records.copy())
         if isinstance(choice, mp.MLS):
@@ -178,7 +178,7 @@ def test_the_same_bits_for_any_number_of_threads(choice, monkeypatch):
         setting.team = Team(threads)
         n = len(setting.particles)
         mapping = bind(choice, setting)
-        mapping.nodes.clear()
+        mapping.nodes.clear(mapping.team)
         mapping.to_nodes(np.ones((1, 3)), kinematic=True, dynamic=True)
         results.append(mapping.nodes.records.copy())
         assert n > 100

@@ -46,7 +46,7 @@ def test_pressure_on_the_whole_outside_balances_a_pressure_inside(dim, kind):
     force = np.zeros((*faces.shape, 3))
     face_forces(faces, sign, mesh.vertices, 3.0, 0.0, 0.0, 0.0, force)
     mapping.push([(faces.ravel(), force.reshape(-1, 3))])
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
     np.testing.assert_allclose(mapping.nodes.records[:, 4:7], 0.0, atol=1e-11)
 

@@ -40,7 +40,7 @@ def test_cells_keep_mass_momentum_force_and_mean_stress(dim, options):
     mapping = bind(mp.TLS(boxes=False, **options), setting)
     p, q = setting.particles, mapping.quadrature
     body = rng.normal(size=(len(p), 3))
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(body, kinematic=True, dynamic=True)
     records = mapping.nodes.records
     np.testing.assert_allclose(records[:, 3].sum(), p.mass.sum(), rtol=1e-13)
@@ -71,7 +71,7 @@ def test_boxes_count_for_the_cells_that_they_lie_in(dim):
     p.deformation_gradient[:] += rng.uniform(-0.3, 0.3, p.deformation_gradient.shape)
     half = setting.domains_half * np.abs(np.einsum("pkk->pk", p.deformation_gradient))
     mapping = bind(mp.TLS(), setting)
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
     q = mapping.quadrature
     rest = np.ones(len(p))
@@ -99,7 +99,7 @@ def test_fits_are_least_squares_but_for_the_mean(dim, degree):
     setting = _crowd(dim, rng, 12)
     mapping = bind(mp.TLS(degree=degree, boxes=False), setting)
     p, q, grid = setting.particles, mapping.quadrature, setting.grid
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
 
     def columns(x):
@@ -129,7 +129,7 @@ def test_linear_stress_without_its_mean_and_constant_density_are_reproduced():
     p.mass[:] = 3.0 * p.volume
     p.stress[:] = p.position[:, :1] * 2.0 - p.position[:, 1:2]
     mapping = bind(mp.TLS(keep_stress=False, boxes=False), setting)
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
     q = mapping.quadrature
     g = len(q.cell)
@@ -152,7 +152,7 @@ def test_one_particle_in_a_cell_and_particles_on_a_line_lower_the_rank():
     p.position[:, 1] = 0.2  # a single row of cells, all on one line
     p.volume[:] = 10.0
     mapping = bind(mp.TLS(degree=2, boxes=False), setting)
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
     counts = np.bincount(mapping.cells.cell, minlength=len(mapping.cells.filled))[mapping.quadrature.cell]
     assert (mapping.ranks <= np.minimum(counts, 3)).all()  # 1, x, x^2
