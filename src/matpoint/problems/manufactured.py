@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matpoint.scheme import Scheme
     from matpoint.simulation import Simulation
     from matpoint.timestep import TimeStep
+    from matpoint.transfers import Transfer
 
 
 @dataclass(frozen=True)
@@ -149,17 +150,30 @@ class ManufacturedProblem(Problem):
         )  # fmt: skip
         return mp.Simulation(
             self.grid(), [body], interpolation=interpolation, timestep=rule,
-            scheme=self._scheme(interpolation) if scheme is None else scheme,
+            scheme=self.scheme_for(interpolation) if scheme is None else scheme,
             boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
         )  # fmt: skip
 
-    def _scheme(self, interpolation: Interpolation) -> Scheme:
-        """The order of stages that was asked for, or the one in which the method lives longest."""
+    def scheme_for(self, interpolation: Interpolation, transfer: Transfer | None = None) -> Scheme:
+        """Return the order of stages that was asked for, or the one in which a method lives longest.
+
+        Parameters
+        ----------
+        interpolation
+            The method.
+        transfer
+            How velocities come back; None takes FLIP().
+        """
         from matpoint.scheme import SCHEMES  # noqa: PLC0415 (keeps the import of a case light)
+        from matpoint.transfers import FLIP  # noqa: PLC0415
 
         short_lived = ("mpm", "mls", "imls", "tls") if self.free_surfaces else ("mpm",)
         own = "musl" if interpolation.name in short_lived else interpolation.default_scheme
-        return SCHEMES[self.scheme or own]()
+        return SCHEMES[self.scheme or own](FLIP() if transfer is None else transfer)
+
+    def particle_count(self) -> float:
+        """Return how many particles the mesh will have, for checks before a run."""
+        return float(self.mesh().n)
 
     def errors(self, sim: Simulation) -> np.ndarray:
         """Return the RMS errors of displacement, velocity and stress as they are now (T 48), shape (3,)."""
@@ -176,7 +190,9 @@ class ManufacturedProblem(Problem):
         squares = [(g**2).sum(axis=1) for g in gaps[:2]] + [(gaps[2] ** 2) @ weight]
         return np.sqrt([s.mean() for s in squares])
 
-    def track(self, interpolation: Interpolation, threads: int | None = None) -> ErrorTrack:
+    def track(
+        self, interpolation: Interpolation, threads: int | None = None, transfer: Transfer | None = None
+    ) -> ErrorTrack:
         """Run a method to the end, or to where it fails, and return its errors over time.
 
         Parameters
@@ -185,8 +201,11 @@ class ManufacturedProblem(Problem):
             The method.
         threads
             None takes all processors.
+        transfer
+            How velocities come back; None takes FLIP().
         """
-        sim = self.simulation(interpolation, threads=threads)
+        scheme = self.scheme_for(interpolation, transfer)
+        sim = self.simulation(interpolation, scheme=scheme, threads=threads)
         sampler = Sampler(sampling(self.end, self.step), self.errors)
         failed, began = None, time.perf_counter()
         try:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 from matpoint.checks import whole
 from matpoint.errors import InputError
 from matpoint.problems.manufactured import ManufacturedProblem
+from matpoint.problems.random_cells import MEAN_COUNT
 
 if TYPE_CHECKING:
     from matpoint.boundary import Condition
@@ -81,6 +82,11 @@ class _Waves(ManufacturedProblem):
         if self.random:
             return random_mesh(low, high, self.cells, self.random)
         return mesh_box(low, high, (self.cells * self.per_cell,) * self.dim)
+
+    def particle_count(self) -> float:
+        """Return how many particles the mesh has; of random ones the mean."""
+        each = MEAN_COUNT if self.random else float(self.per_cell) ** self.dim
+        return each * float(self.cells) ** self.dim
 
     def conditions(self) -> Sequence[Condition]:
         """Return rollers on all walls."""
