@@ -8,11 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from matpoint.checks import not_negative, positive, whole
-from matpoint.errors import InputError, RunError, did_you_mean
+from matpoint.errors import InputError, RunError, did_you_mean, naming
 from matpoint.problem import Announce, Problem, Result
 from matpoint.problems.errors_track import FIELDS, ErrorTrack, sampling
 from matpoint.problems.sampler import Sampler
@@ -29,10 +30,19 @@ if TYPE_CHECKING:
     from matpoint.timestep import TimeStep
     from matpoint.transfers import Transfer
 
+# When det F is looked at: 48 equal parts of the run meet its halves, thirds and quarters, and hence the
+# extremes of waves that are a half or a third of a period apart.
+_TIMES = 49
+_PLACES = 2000  # about so many, where a problem has no lattice of its own
+_CHECKED: WeakKeyDictionary[Manufactured, set[type]] = WeakKeyDictionary()
+
 
 @dataclass(frozen=True)
 class ManufacturedProblem(Problem):
     """A run whose exact solution is known everywhere.
+
+    That the motion does not fold, det F > 0, is checked when the problem is made: at the places of
+    ``lattice`` and at 49 equally spaced times from 0 to ``end``. A fold between them is only found by the run.
 
     Parameters
     ----------
@@ -55,7 +65,7 @@ class ManufacturedProblem(Problem):
     Raises
     ------
     InputError
-        If one of them can't be.
+        If one of them can't be, or the motion folds.
     """
 
     cells: int = 32
@@ -94,6 +104,7 @@ class ManufacturedProblem(Problem):
             raise InputError(f"{self.name}: staggered = {self.staggered!r} must be true or false")
         if abs(self.end / self.step / 4 - round(self.end / self.step / 4)) > 1e-6:
             raise InputError(f"{self.name}: dt = {self.dt:g} s must go into a quarter of {self.end:g} s")
+        self._refuse_folds()
 
     # -- what a subclass gives ---------------------------------------------------------------
 
@@ -113,6 +124,20 @@ class ManufacturedProblem(Problem):
     @abstractmethod
     def conditions(self) -> Sequence[Condition]:
         """Return the conditions at the walls."""
+
+    def lattice(self) -> np.ndarray:
+        """Return places all over the body, where det F is checked, (n, 3) [m]: some of its corners."""
+        corners = self.mesh().vertices.reshape(-1, 3)
+        return corners[:: max(1, len(corners) // _PLACES)]
+
+    def _refuse_folds(self) -> None:
+        """Refuse a motion that turns the body inside out; once for each solution and kind of problem."""
+        exact = self.solution
+        seen = _CHECKED.setdefault(exact, set())
+        if type(self) not in seen:
+            with naming(self.name):
+                exact.refuse_folds(self.lattice(), np.linspace(0.0, self.end, _TIMES))
+            seen.add(type(self))
 
     # -- the run -----------------------------------------------------------------------------
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from matpoint.problems.manufactured import ManufacturedProblem
 
 if TYPE_CHECKING:
@@ -56,6 +58,11 @@ class _Ring(ManufacturedProblem):
         from matpoint.meshes import mesh_annulus  # noqa: PLC0415 (keeps the import of a case light)
 
         return mesh_annulus(self.inner, self.outer, self._divisions(), self.angles)
+
+    def lattice(self) -> np.ndarray:
+        """Return 17 circles, the two of the outside among them, of 33 places each."""
+        R, a = np.meshgrid(np.linspace(self.inner, self.outer, 17), np.linspace(*self.angles, 33))
+        return np.stack([(R * np.cos(a)).ravel(), (R * np.sin(a)).ravel(), np.zeros(R.size)], axis=1)
 
     def particle_count(self) -> float:
         """Return how many particles the mesh has."""
