@@ -42,7 +42,7 @@ class ManufacturedProblem(Problem):
     """A run whose exact solution is known everywhere.
 
     That the motion does not fold, det F > 0, is checked when the problem is made: at the places of
-    ``lattice`` and at 49 equally spaced times from 0 to ``end``. A fold between them is only found by the run.
+    ``lattice`` and at 49 equally spaced times from 0 to ``end``. Only a run finds a fold between them.
 
     Parameters
     ----------
