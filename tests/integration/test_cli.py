@@ -472,7 +472,7 @@ def test_converge_takes_transfers_and_options_and_its_folder_says_so(tmp_path):
     [
         (
             ("--methods", "imls,cpdi2", "--set", "interpolation.degree=1"),
-            "interpolation.degree: cpdi2 has no",
+            "degree: cpdi2 has no",
         ),
         (("--methods", "imls,mls", "--set", "interpolation.raw=true"), "interpolation.raw: imls has no"),
         (("--methods", "imls", "--set", "interpolation.points=9"), "points = 9 must be from 1 to 4"),

@@ -194,18 +194,16 @@ def test_what_is_no_displacement_is_refused(law, material, message):
         ("mms-1d-half", 1 / np.pi, "X = (1, 0, 0) m", "t = 0.005 s"),
         ("mms-2d", 1 / np.pi, "X = (0, 0, 0) m", "t = 0.005 s"),
         ("mms-3d", 1 / np.pi, "X = (0, 0, 0) m", "t = 0.015 s"),
-        ("expanding-ring", 0.1656, "", "t = 0.015 s"),
+        ("expanding-ring", 27 / 70, "", "t = 0.015 s"),
     ],
 )
 def test_a_problem_whose_motion_folds_says_where_and_when(kind, most, where, when):
-    """1 + dA/dX sin reaches 0 where the amplitude reaches its limit; places and times are on the lattice."""
+    """det F reaches 0 where the amplitude reaches its limit; places and times are on the lattice."""
     PROBLEMS[kind](amplitude=0.99 * most)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for amplitude in (1.01 * most, 5.0, 1e300):
-            with pytest.raises(
-                InputError, match=f"{kind}: manufactured solution: the motion folds"
-            ) as refused:
+            with pytest.raises(InputError, match=f"{kind}: .*the motion folds") as refused:
                 PROBLEMS[kind](amplitude=amplitude)
             if amplitude == 1.01 * most:
                 assert where in str(refused.value)
@@ -226,7 +224,7 @@ def test_folds_of_a_users_own_motion_are_found():
     F = sheared.deformation(places, 0.4)
     assert np.linalg.det(F) == pytest.approx([1 - 0.16 - 0.4 * 0.3, 1 - 0.16 - 0.4 * 0.6])
     sheared.refuse_folds(places, [0.4])
-    with pytest.raises(InputError, match=r"det F = -0.24 at X = \(0.6, 0, 0\)"):
+    with pytest.raises(InputError, match=r"det F = -0.12 at X = \(0.6, 0, 0\)"):
         sheared.refuse_folds(places, [0.8])
 
 
