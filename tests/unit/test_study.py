@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+import subprocess
+import sys
 import warnings
 
 import pytest
@@ -17,7 +19,7 @@ from matpoint.errors import InputError, StudyError
 from matpoint.interpolation import CPDI2, IMLS, METHODS, MLS, TLS, BSpline, EnrichedCPDI2, Linear
 from matpoint.output.folder import claim, prepare_folder
 from matpoint.output.summary import write_json
-from matpoint.problems import PROBLEMS, FullWave, Vortex, Waves2D
+from matpoint.problems import PROBLEMS, FullWave, ManufacturedProblem, Vortex, Waves2D
 from matpoint.problems.errors_track import NORMS
 from matpoint.study import Study, converge, plan
 from matpoint.study.choices import changed, packed, unpacked
@@ -102,11 +104,9 @@ def test_sizes_that_no_machine_holds_are_refused_with_the_reason(monkeypatch):
             whole_numbers(text)
 
 
-@pytest.mark.parametrize("name", [n for n in PROBLEMS if n.startswith("mms") or "ring" in n or n == "vortex"])
+@pytest.mark.parametrize("name", [n for n, k in PROBLEMS.items() if issubclass(k, ManufacturedProblem)])
 def test_particles_are_counted_without_making_them(name):
     kind = PROBLEMS[name]
-    if not hasattr(kind, "particle_count"):
-        pytest.skip("no manufactured solution")
     problem = kind(cells=6)
     assert problem.particle_count() == problem.mesh().n
     if hasattr(problem, "random"):
@@ -149,6 +149,14 @@ def test_results_that_can_not_be_kept_are_named_once(tmp_path, monkeypatch):
         keep("b", {"cells": 8})
     assert len(said) == 1
     assert "results of studies are not kept" in str(said[0].message)
+
+
+def test_workers_end_with_their_study():
+    code = "import os, threading; from matpoint.study.worker import leave_with as leave;"
+    code += "threading.Thread(target=leave, args=(os.getppid(),), daemon=True).start();"
+    code += "print('stays', flush=True); leave(-1); print('never')"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (1, "stays\n")
 
 
 def written(folder, planned, sizes):

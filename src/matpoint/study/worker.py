@@ -6,6 +6,8 @@ import dataclasses
 import json
 import os
 import sys
+import threading
+import time
 import warnings
 from typing import TYPE_CHECKING, Any
 
@@ -78,8 +80,16 @@ def task(problem: ManufacturedProblem, interpolation: Interpolation, transfer: T
     }  # fmt: skip
 
 
+def leave_with(parent: int) -> None:
+    """End this process once that of the study, which may have been killed in the middle of a run, is gone."""
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
 def main() -> None:
     """Answer tasks from the standard input until it closes."""
+    threading.Thread(target=leave_with, args=(os.getppid(),), daemon=True).start()
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # nothing else may come between the answers
     warnings.simplefilter("ignore")
