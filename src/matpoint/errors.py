@@ -1,7 +1,7 @@
 """What matpoint raises when a user or a run goes wrong.
 
-Two kinds only: :class:`InputError` before anything has been computed or written, and
-:class:`RunError` when a run cannot go on. The command line turns them into exit codes 2 and 3.
+:class:`InputError` before anything has been computed or written, :class:`RunError` when a run cannot go on,
+:class:`StudyError` when none of many could. The command line turns them into exit codes 2, 3 and 3.
 """
 
 from __future__ import annotations
@@ -93,3 +93,9 @@ class RunError(MatpointError):
         if position is not None:
             where += " at (" + ", ".join(f"{x:.6g}" for x in position) + ") m"
         super().__init__(f"{where}: {cause}")
+
+
+class StudyError(MatpointError):
+    """No run of a study reached its end: the message says how many there were, and why the first failed."""
+
+    exit_code = 3

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import tempfile
+import warnings
 from collections.abc import Callable
 from functools import lru_cache, partial
 from pathlib import Path
@@ -41,12 +43,31 @@ def cache_folder() -> Path:
     return Path(parent) / source_hash()
 
 
-if "NUMBA_CACHE_DIR" not in os.environ:
-    config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
+def _usable_cache() -> bool:
+    """Whether compiled code can be kept; if not, it is said once, and Numba finds no place of its own.
+
+    Numba would fall back to a folder beside the sources, where edits of files that a kernel calls go unseen.
+    """
+    if "NUMBA_CACHE_DIR" in os.environ:
+        return True  # the user's own choice, and Numba's business
+    folder = cache_folder()
+    config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        warnings.warn(
+            f"compiled code is not kept, every process compiles anew: {folder.parent} can't be written"
+            f" ({error.strerror or error}); MATPOINT_CACHE names another folder",
+            stacklevel=2,
+        )
+        return False
+    return True
+
 
 #: Decorator of a kernel: a loop over plain arrays, compiled once, cached, run without the GIL.
 kernel: Callable[..., Any] = partial(
-    numba.njit, cache=True, nogil=True, fastmath=FAST_MATH, error_model="numpy"
+    numba.njit, cache=_usable_cache(), nogil=True, fastmath=FAST_MATH, error_model="numpy"
 )
 
 #: Decorator of a small function used inside kernels; it stays callable from plain Python.

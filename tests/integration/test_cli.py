@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -436,3 +437,103 @@ def test_reproduce_refuses_a_paper_that_it_does_not_know(tmp_path):
     refused = matpoint("reproduce", "cpdi3", cwd=tmp_path, code=2)
     assert "did you mean 'cpdi2'" in refused.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+STUDY = ("converge", "mms-1d", "--set", "problem.dt=1e-4")
+
+
+def velocities(done):
+    return {m: [e["velocity"] for e in es] for m, es in json.loads(done.stdout).items() if m != "order"}
+
+
+def test_converge_takes_transfers_and_options_and_its_folder_says_so(tmp_path):
+    sizes = ("--cells", "4,8", "--methods", "imls,mls")
+    plain = velocities(matpoint(*STUDY, *sizes, "--json", cwd=tmp_path))
+    transfer = ("--set", "scheme.transfer=xpic", "--set", "scheme.terms=3")
+    options = ("--set", "interpolation.degree=1", "--set", "interpolation.basis=bspline2")
+    done = matpoint(*STUDY, *sizes, *transfer, *options, "--json", "--out", "study", cwd=tmp_path)
+    found = velocities(done)
+    assert all(a != b for m in plain for a, b in zip(plain[m], found[m], strict=True))
+    settings = json.loads((tmp_path / "study" / "settings.json").read_text())
+    assert settings["transfer"] == "XPIC(order=3)"
+    assert "basis=BSpline(degree=2), degree=1" in settings["interpolations"]["mls"]
+    table = (tmp_path / "study" / "table.txt").read_text()
+    assert "transfer: XPIC(order=3)" in table
+    assert "imls: basis = BSpline(degree=2), degree = 1" in table
+    again = matpoint(*STUDY, *sizes, *transfer, *options, "--json", cwd=tmp_path)
+    assert again.stderr.count("(kept)") == 4
+    order = matpoint(*STUDY, *sizes, "--set", "scheme.order=musl", "--json", cwd=tmp_path)
+    assert velocities(order) != plain
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (
+            ("--methods", "imls,cpdi2", "--set", "interpolation.degree=1"),
+            "degree: cpdi2 has no",
+        ),
+        (("--methods", "imls,mls", "--set", "interpolation.raw=true"), "interpolation.raw: imls has no"),
+        (("--methods", "imls", "--set", "interpolation.points=9"), "points = 9 must be from 1 to 4"),
+        (("--methods", "imls", "--set", "interpolation.method=mls"), "--methods"),
+        (("--set", "scheme.transfer=xpic"), "spline-imls with XPIC"),
+        (("--methods", "mpm", "--set", "scheme.terms=3"), "scheme.terms"),
+        (("--methods", "mpm", "--set", "scheme.blend=2"), "scheme.blend"),
+        (("--methods", "mpm", "--set", "scheme.transfer=best"), "allowed are flip"),
+        (("--methods", "mpm", "--set", "scheme.kind=usl"), "scheme.kind: unknown key"),
+        (("--methods", "mpm", "--set", "scheme.order=usl", "--set", "problem.scheme=musl"), "set one"),
+        (("--methods", "mpm", "--set", "time.end=1"), "scheme.*"),
+        (("--methods", "mpm", "--set", "problem.amplitude=5"), "the motion folds"),
+        (("--cells", "4000000000", "--methods", "mpm"), "GB"),
+        (("--cells", "1", "--methods", "mpm"), "cells = 1"),
+        (("--cells", "8,x", "--methods", "mpm"), "--cells"),
+    ],
+)
+def test_converge_refuses_before_it_writes(arguments, told, tmp_path):
+    done = matpoint(*STUDY, *arguments, "--out", "study", cwd=tmp_path, code=2)
+    assert told in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "study").exists()
+
+
+def test_converge_fails_if_no_run_finished_and_only_then(tmp_path):
+    irregular = ("--cells", "4", "--set", "problem.random=3", "--out", "study")
+    done = matpoint(*STUDY, *irregular, "--methods", "cpdi2", cwd=tmp_path, code=3)
+    assert "error: none of 1 runs reached its end" in done.stderr
+    assert (tmp_path / "study" / "converge.json").is_file()
+    done = matpoint(*STUDY, *irregular, "--methods", "cpdi2,cpdi1", cwd=tmp_path)
+    assert "cpdi2 with 4 cells failed" in done.stdout
+
+
+def test_converge_extends_its_folder_without_force(tmp_path):
+    arguments = (*STUDY, "--methods", "cpdi2", "--out", "study", "--cells")
+    matpoint(*arguments, "4", cwd=tmp_path)
+    (tmp_path / "study" / "notes.md").write_text("mine")
+    matpoint(*arguments, "4,8", cwd=tmp_path)
+    found = json.loads((tmp_path / "study" / "converge.json").read_text())
+    assert [e["cells"] for e in found["cpdi2"]] == [4, 8]
+    refused = matpoint(*arguments, "8", cwd=tmp_path, code=2)
+    assert "cpdi2 on 4 cells; name these too" in refused.stderr
+    refused = matpoint(*arguments, "4,8", "--set", "problem.amplitude=0.05", cwd=tmp_path, code=2)
+    assert "amplitude = 0.1, here 0.05" in refused.stderr
+    assert json.loads((tmp_path / "study" / "converge.json").read_text()) == found
+    matpoint(*arguments, "8", "--force", cwd=tmp_path)
+    assert (tmp_path / "study" / "notes.md").read_text() == "mine"
+
+
+def test_a_cache_that_can_not_be_written_is_named_once(tmp_path):
+    (tmp_path / "file").write_text("")
+    blocked = os.environ | {"MATPOINT_CACHE": str(tmp_path / "file")}
+    blocked.pop("NUMBA_CACHE_DIR", None)
+    code = "import matpoint.jit, importlib; print(matpoint.jit.kernel.keywords['cache'])"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=blocked, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "False\n"
+    assert done.stderr.count("compiled code is not kept") == 1
+    done = matpoint("list", cwd=tmp_path, env=blocked)
+    warned = [
+        line for line in done.stderr.splitlines() if line.startswith("warning: compiled code is not kept")
+    ]
+    assert len(warned) == len(done.stderr.splitlines()) == 1
+    assert str(tmp_path / "file") in warned[0]

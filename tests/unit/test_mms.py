@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+import warnings
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -10,6 +13,7 @@ from matpoint import mms
 from matpoint.errors import InputError
 from matpoint.materials import Hencky, LinearElastic, NeoHookean, SaintVenantKirchhoff
 from matpoint.materials.driver import drive
+from matpoint.problems import PROBLEMS
 
 HARD = NeoHookean(E=1e7, nu=0.3, density=1000.0)
 SOFT = NeoHookean(E=1000.0, nu=0.3, density=1000.0)
@@ -181,3 +185,71 @@ def test_a_law_of_the_users_own_and_numbers_as_components():
 def test_what_is_no_displacement_is_refused(law, material, message):
     with pytest.raises(InputError, match=message):
         mms.Manufactured(law, material)
+
+
+@pytest.mark.parametrize(
+    ("kind", "most", "where", "when"),
+    [
+        ("mms-1d", 0.5 / np.pi, "X = (0.5, 0, 0) m", "t = 0.005 s"),
+        ("mms-1d-half", 1 / np.pi, "X = (1, 0, 0) m", "t = 0.005 s"),
+        ("mms-2d", 1 / np.pi, "X = (0, 0, 0) m", "t = 0.005 s"),
+        ("mms-3d", 1 / np.pi, "X = (0, 0, 0) m", "t = 0.015 s"),
+        ("expanding-ring", 27 / 70, "", "t = 0.015 s"),
+    ],
+)
+def test_a_problem_whose_motion_folds_says_where_and_when(kind, most, where, when):
+    """det F reaches 0 where the amplitude reaches its limit; places and times are on the lattice."""
+    PROBLEMS[kind](amplitude=0.99 * most)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for amplitude in (1.01 * most, 5.0, 1e300):
+            with pytest.raises(InputError, match=f"{kind}: .*the motion folds") as refused:
+                PROBLEMS[kind](amplitude=amplitude)
+            if amplitude == 1.01 * most:
+                assert where in str(refused.value)
+                assert when in str(refused.value)
+
+
+def test_a_vortex_never_folds():
+    PROBLEMS["vortex"](amplitude=30.0)
+
+
+def test_folds_of_a_users_own_motion_are_found():
+    solution = mms.Manufactured((-mms.X * mms.t, 0), HARD)
+    places = np.array([[0.3, 0.0, 0.0], [0.6, 0.0, 0.0]])
+    solution.refuse_folds(places, [0.0, 0.5, 0.99])
+    with pytest.raises(InputError, match=r"det F = -0.5 .*t = 1.5 s"):
+        solution.refuse_folds(places, [0.0, 1.5, 1.2])
+    sheared = mms.Manufactured((mms.Y * mms.t + mms.X * mms.Y, mms.X * mms.t), HARD)
+    F = sheared.deformation(places, 0.4)
+    assert np.linalg.det(F) == pytest.approx([1 - 0.16 - 0.4 * 0.3, 1 - 0.16 - 0.4 * 0.6])
+    sheared.refuse_folds(places, [0.4])
+    with pytest.raises(InputError, match=r"det F = -0.12 at X = \(0.6, 0, 0\)"):
+        sheared.refuse_folds(places, [0.8])
+
+
+def test_first_piola_is_always_a_function_and_follows_the_material():
+    solution = mms.Manufactured(mms.full_wave(0.1, C), HARD)
+    F = sp.diag(sp.Rational(6, 5), 1, 1)
+    expected = mms.first_piola(HARD, F)
+    assert solution.first_piola(F) == expected
+    softer = dataclasses.replace(solution, material=SOFT)
+    assert softer.first_piola(F) == mms.first_piola(SOFT, F)
+    given = mms.Manufactured(mms.full_wave(0.1, C), LinearElastic(E=1.0, nu=0.0, density=1.0), lambda F: F)
+    assert given.first_piola(F) == F
+    own = mms.Manufactured(mms.full_wave(0.1, C), HARD, lambda F: mms.first_piola(HARD, F))
+    X = points("full")
+    np.testing.assert_allclose(own.body_force(X, 0.003), solution.body_force(X, 0.003), rtol=1e-12)
+
+
+@pytest.mark.parametrize("law", [3, lambda F: 1.0, lambda F: F[0, 0], lambda F: F * mms.X])
+def test_a_first_piola_that_gives_no_matrix_of_F_is_refused(law):
+    with pytest.raises(InputError, match="first_piola"):
+        mms.Manufactured(mms.full_wave(0.1, C), HARD, law)
+
+
+def test_hencky_takes_displacements_along_the_axes_only():
+    material = Hencky(E=1e7, nu=0.3, density=1000.0)
+    mms.Manufactured(mms.standing_waves(0.05, C, 3), material)
+    with pytest.raises(InputError, match="Hencky elasticity needs a displacement along the axes"):
+        mms.Manufactured(mms.vortex(0.1, 1.0), material)

@@ -119,12 +119,10 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
     choice = METHODS[table.method]
     given = ((name, getattr(table, name)) for name in type(table).model_fields if name != "method")
     options: dict[str, Any] = {name: value for name, value in given if value is not None}
-    # The degree of plain B-splines is in the method's name.
-    fixed = {"degree"} if isinstance(choice, BSpline) else set()
-    allowed = [f.name for f in dataclasses.fields(choice) if f.name not in fixed]
+    allowed = _options(choice)
     for key in options:
         if key not in allowed:
-            others = [name for name, m in METHODS.items() if key in {f.name for f in dataclasses.fields(m)}]
+            others = [name for name, m in METHODS.items() if key in _options(m)]
             raise InputError(
                 f"interpolation.{key}: {table.method} has no such option; it has"
                 f" {', '.join(allowed) or 'none'}; use {' or '.join(others)}"
@@ -137,19 +135,32 @@ def make_interpolation(table: InterpolationTable) -> Interpolation:
         return dataclasses.replace(choice, **options)
 
 
+def _options(choice: Interpolation) -> list[str]:
+    """Names of its options; the degree of plain B-splines is in the method's name."""
+    fixed = {"degree"} if isinstance(choice, BSpline) else set()
+    return [f.name for f in dataclasses.fields(choice) if f.name not in fixed]
+
+
 _BASES = {"linear": Linear(), "bspline2": BSpline(2), "bspline3": BSpline(3)}
 
 
 def make_scheme(table: SchemeTable, interpolation: Interpolation) -> Scheme:
     """Return the scheme of a table; without an order, that of the interpolation."""
+    return SCHEMES[table.order or interpolation.default_scheme](make_transfer(table))
+
+
+def make_transfer(table: SchemeTable) -> Transfer:
+    """Return the velocity transfer of a table.
+
+    Raises
+    ------
+    InputError
+        If an option belongs to another transfer, or is out of range.
+    """
     if table.blend is not None and table.transfer != "flip":
         raise InputError(f"scheme.blend: {table.transfer} has no blend; it belongs to flip")
     if table.terms is not None and table.transfer not in ("xpic", "fmpm"):
         raise InputError(f"scheme.terms: {table.transfer} has no series; it belongs to xpic and fmpm")
-    return SCHEMES[table.order or interpolation.default_scheme](_transfer(table))
-
-
-def _transfer(table: SchemeTable) -> Transfer:
     choice = TRANSFERS[table.transfer]
     if choice is FLIP and table.blend is not None:
         with naming("scheme.blend"):

@@ -73,7 +73,7 @@ def _keep(inputs: Sequence[str | Path], folder: Path) -> None:
 
 
 def _only_problem(settings: Sequence[str]) -> None:
-    """Refuse settings that verify and converge, with methods and times of their own, would pass over."""
+    """Refuse settings that verify, with methods and times of its own, would pass over."""
     for setting in settings:
         if setting.split("=")[0].split(".")[0].strip() != "problem":
             raise InputError(
@@ -188,35 +188,39 @@ def converge(
 ) -> None:
     """Run methods at several sizes of a manufactured problem; print errors, orders and cost.
 
+    ``--set`` takes ``problem.*``, ``scheme.*`` (transfer, blend, terms, order) and options of
+    ``interpolation.*``, for all methods alike. Exit code 3 if no run reached its end. Run again with more
+    cells or methods, a study in the output folder is extended, without ``--force``.
+
     Parameters
     ----------
     case
         A case with a ``[problem]`` whose solution is manufactured: a TOML file or a bundled name.
     """
-    from matpoint.cli.converging import read_problem, whole_numbers, write_all  # noqa: PLC0415 (slow to import)
-    from matpoint.output import prepare_folder  # noqa: PLC0415
+    from matpoint.cli import converging  # noqa: PLC0415 (slow to import)
+    from matpoint.cli.study_folder import study_folder  # noqa: PLC0415
     from matpoint.output.summary import plain  # noqa: PLC0415
-    from matpoint.study import converge as run_study  # noqa: PLC0415
+    from matpoint.study import carry_out, plan  # noqa: PLC0415
 
-    _only_problem(set_)
+    keys = converging.split_settings(set_)
     read = _load(case, set_, [])
-    problem = read_problem(read, case)
+    problem, transfer = converging.read_scheme(read, keys["scheme"], converging.read_problem(read, case))
     names = problem.chosen(None if methods is None else [m.strip() for m in methods.split(",")])
-    sizes = whole_numbers(cells)
+    chosen = converging.read_methods(read, keys["interpolation"], names)
+    planned = plan(problem, chosen, converging.whole_numbers(cells), transfer)
     folder = Path("results") / f"converge-{read.name}" if out is None and not json_ else out
     if folder is not None:
         _keep([case], folder)
-        prepare_folder(folder, force, ["figure-*.png", "converge.json", "settings.json", "table.txt"])
-    study = run_study(
-        problem, names, sizes, fresh=fresh, announce=lambda text: print(text, file=sys.stderr, flush=True)
-    )
+        study_folder(folder, force, planned)
+    study = carry_out(planned, fresh, announce=lambda text: print(text, file=sys.stderr, flush=True))
     if folder is not None:
-        write_all(study, folder)
+        converging.write_all(study, folder)
     if json_:
         print(json.dumps(plain(study.json()), allow_nan=False))
-        return
-    print(study.tables())
-    print(f"\nfigures, table.txt, converge.json and settings.json in {folder}")
+    else:
+        print(study.tables())
+        print(f"\nfigures, table.txt, converge.json and settings.json in {folder}")
+    study.refuse_failure()
 
 
 @app.command

@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from matpoint.checks import function
 from matpoint.deformed import Start
 from matpoint.errors import InputError
 from matpoint.loads import BodyForce
 from matpoint.materials import Material
 from matpoint.mms.compiled import compiled
 from matpoint.mms.coordinates import COORDINATES, TIME
-from matpoint.mms.laws import first_piola
+from matpoint.mms.folds import refuse_folds
+from matpoint.mms.laws import OwnLaw
 
 _VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 _F = sp.Matrix(3, 3, sp.symbols("F:3:3", real=True))
@@ -38,19 +40,32 @@ class Manufactured:
     material
         It gives density and stress.
     first_piola
-        P(F) [Pa], a function of a 3 x 3 sympy matrix; None takes the material's own from ``LAWS``.
+        P(F) [Pa], a function of a 3 x 3 sympy matrix that gives another; left out, it is the material's own
+        from ``LAWS``, and the attribute is that function. ``NeoHookean`` and ``SaintVenantKirchhoff`` take
+        any displacement, ``Hencky`` only one along the axes, u_k(X_k, t), where F is diagonal. For other
+        materials whose stress is a function of F alone, such as ``LinearElastic``, give P = det(F) σ F⁻ᵀ
+        yourself. Stresses of ``VonMises``, which yields, and ``NewtonianFluid``, which depends on the
+        rate, are no functions of F.
 
     Raises
     ------
     InputError
-        If a component is no expression of the coordinates and time, or the material's P(F) is not known.
+        If a component is no expression of the coordinates and time, the material's P(F) is not known or can't
+        take such an F, or ``first_piola`` does not give a 3 x 3 matrix of F.
+
+    Notes
+    -----
+    What the expressions do between is not looked at here: where a body lies and how long a run lasts is not
+    known. :meth:`refuse_folds` does so for given places and times.
     """
 
     law: Sequence[Any]
     material: Material
-    first_piola: Callable[[sp.Matrix], sp.Matrix] | None = None
+    first_piola: Callable[[sp.Matrix], sp.Matrix] = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
+        if self.first_piola is None or isinstance(self.first_piola, OwnLaw):  # of this material, if replaced
+            object.__setattr__(self, "first_piola", OwnLaw(self.material))
         if not isinstance(self.law, list | tuple | sp.Tuple) or not 1 <= len(self.law) <= 3:
             raise InputError(
                 "manufactured solution: the displacement must be a list of 1 to 3 components, for instance"
@@ -69,6 +84,7 @@ class Manufactured:
                     f" {component.free_symbols - allowed}; only {names} as imported from matpoint.mms are"
                     " allowed (symbols of sympy with the same names are others)"
                 )
+        function("manufactured solution: first_piola", self.first_piola)
         _ = self._stress  # refuses what has no P(F)
 
     @property
@@ -98,8 +114,13 @@ class Manufactured:
     def _stress(self) -> sp.Matrix:
         """P as a function of the symbols of F."""
         F = _F.subs({s: v for s, v in self._known.items() if v == 0})
-        law = self.first_piola
-        return first_piola(self.material, F) if law is None else law(F)
+        P = self.first_piola(F)
+        if not isinstance(P, sp.MatrixBase) or P.shape != (3, 3) or P.free_symbols - F.free_symbols:
+            raise InputError(
+                f"manufactured solution: first_piola gives {P!r}; it must be a 3 x 3 sympy matrix of the"
+                " components of F alone"
+            )
+        return P
 
     @cached_property
     def _hessian(self) -> dict[tuple[int, int, int], sp.Expr]:
@@ -129,13 +150,16 @@ class Manufactured:
 
     # -- compiled functions ------------------------------------------------------------------
 
+    def _rows(self, name: str) -> list[sp.Expr]:
+        rate = [sp.diff(u, TIME) for u in self._u]
+        if name == "second":
+            return [*self._gradient, *self._hessian.values(), *(sp.diff(v, TIME) for v in rate)]
+        return {"u": self._u, "v": rate, "F": list(self._gradient)}[name]
+
     @cached_property
     def _functions(self) -> dict[str, Callable[[Any, int], np.ndarray]]:
-        """Fields as functions of X, Y, Z, t."""
-        rate = [sp.diff(u, TIME) for u in self._u]
-        second = [*self._gradient, *self._hessian.values(), *(sp.diff(v, TIME) for v in rate)]
-        wanted = {"u": self._u, "v": rate, "F": list(self._gradient), "second": second}
-        return {name: compiled((*COORDINATES, TIME), rows) for name, rows in wanted.items()}
+        """Fields as functions of X, Y, Z, t, each made when it is first wanted."""
+        return {}
 
     @cached_property
     def _cauchy(self) -> Callable[[Any, int], np.ndarray]:
@@ -150,6 +174,8 @@ class Manufactured:
         return compiled([*_F, *symbols], rows)
 
     def _evaluate(self, name: str, X: np.ndarray, time: float) -> np.ndarray:
+        if name not in self._functions:
+            self._functions[name] = compiled((*COORDINATES, TIME), self._rows(name))
         return self._functions[name]((X[:, 0], X[:, 1], X[:, 2], time), len(X))
 
     def displacement(self, X: np.ndarray, time: float) -> np.ndarray:
@@ -176,6 +202,23 @@ class Manufactured:
         """Return b = (ρ0 u_tt - Div P)/ρ0 [m/s²], (n, 3)."""
         found = self._evaluate("second", X, time)
         return (found[-3:] - self._internal(found[:-3], len(X)) / self.material.density).T
+
+    def refuse_folds(self, X: np.ndarray, times: Sequence[float] | np.ndarray) -> None:
+        """Refuse a motion that folds: one with det F <= 0, or no number, at one of some places and times.
+
+        Parameters
+        ----------
+        X
+            Reference positions [m], (n, 3), for instance a lattice over the body.
+        times
+            [s].
+
+        Raises
+        ------
+        InputError
+            With the place and the time where det F is least, and what would help.
+        """
+        refuse_folds(self.deformation, X, times)
 
     # -- for runs ----------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
@@ -40,7 +41,9 @@ def hencky(material: Hencky, F: sp.Matrix) -> sp.Matrix:
     return sp.diag(*((material.lame * sum(logs) + 2 * material.shear * logs[k]) / F[k, k] for k in range(3)))
 
 
-#: Class of the material -> its law.
+#: Class of the material -> its law. Neo-Hookean and Saint Venant-Kirchhoff materials take every F with
+#: det F > 0, Hencky's only a diagonal one. Stresses that depend on the path (``VonMises``) or on
+#: the rate (``NewtonianFluid``) have no P(F).
 LAWS: dict[type[Material], Law] = {
     NeoHookean: neo_hookean,
     SaintVenantKirchhoff: saint_venant_kirchhoff,
@@ -64,3 +67,20 @@ def first_piola(material: Material, F: sp.Matrix) -> sp.Matrix:
             f" first_piola = function of a sympy matrix, or take {names}"
         )
     return law(material, F)
+
+
+@dataclass(frozen=True)
+class OwnLaw:
+    """P(F) [Pa] of a material's own law, as a function of a 3 x 3 sympy matrix.
+
+    Parameters
+    ----------
+    material
+        One of those in ``LAWS``.
+    """
+
+    material: Material
+
+    def __call__(self, F: sp.Matrix) -> sp.Matrix:
+        """Return P(F)."""
+        return first_piola(self.material, F)

@@ -13,7 +13,7 @@ from matpoint.errors import InputError
 # The list of files that runs created in a folder. Only these may be removed, and only with these endings.
 _LIST = ".matpoint-files"
 _HEAD = "# Files that matpoint wrote here; --force removes these and no others."
-_ENDINGS = (".vtkhdf", ".csv", ".json", ".png", ".h5", "table.md")
+_ENDINGS = (".vtkhdf", ".csv", ".json", ".png", ".h5", "table.md", "table.txt")
 _LONGEST = 10_000_000  # bytes of a list
 
 
@@ -59,6 +59,38 @@ def prepare_folder(path: Path | str, force: bool = False, files: Sequence[str] =
     except OSError as error:
         raise InputError(f"output: {folder} can't be used ({error.strerror or error})") from None
     return folder
+
+
+def wrote(path: Path, names: Sequence[str]) -> bool:
+    """Return whether runs listed all of some names as theirs, and these are plain files."""
+    listed = _listed(path)
+    return all(n in listed and (path / n).is_file() and not (path / n).is_symlink() for n in names)
+
+
+def extend_folder(path: Path, files: Sequence[str]) -> Path:
+    """Take a folder as it is, to write files of earlier runs again; nothing is removed.
+
+    Parameters
+    ----------
+    path
+        A folder that runs wrote in.
+    files
+        Names, or patterns, of what will be written.
+
+    Raises
+    ------
+    InputError
+        If it can't be written, or holds a file of another origin, or a link, that would be overwritten.
+    """
+    try:
+        held = sorted(p.name for p in path.iterdir())
+        own = [name for name in _own(path, held) if not (path / name).is_symlink()]
+    except OSError as error:
+        raise InputError(f"output: {path} can't be used ({error.strerror or error})") from None
+    _refuse_overwriting(path, [name for name in held if name not in own], files)
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise InputError(f"output: {path} can't be written to; check its permissions")
+    return path
 
 
 def _refuse_overwriting(folder: Path, others: Sequence[str], files: Sequence[str]) -> None:

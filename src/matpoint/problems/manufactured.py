@@ -8,11 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from matpoint.checks import not_negative, positive, whole
-from matpoint.errors import InputError, RunError, did_you_mean
+from matpoint.errors import InputError, RunError, did_you_mean, naming
 from matpoint.problem import Announce, Problem, Result
 from matpoint.problems.errors_track import FIELDS, ErrorTrack, sampling
 from matpoint.problems.sampler import Sampler
@@ -27,11 +28,21 @@ if TYPE_CHECKING:
     from matpoint.scheme import Scheme
     from matpoint.simulation import Simulation
     from matpoint.timestep import TimeStep
+    from matpoint.transfers import Transfer
+
+# When det F is looked at: 48 equal parts of the run meet its halves, thirds and quarters, and hence the
+# extremes of waves that are a half or a third of a period apart.
+_TIMES = 49
+_PLACES = 2000  # about so many, where a problem has no lattice of its own
+_CHECKED: WeakKeyDictionary[Manufactured, set[type]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True)
 class ManufacturedProblem(Problem):
     """A run whose exact solution is known everywhere.
+
+    That the motion does not fold, det F > 0, is checked when the problem is made: at the places of
+    ``lattice`` and at 49 equally spaced times from 0 to ``end``. Only a run finds a fold between them.
 
     Parameters
     ----------
@@ -54,7 +65,7 @@ class ManufacturedProblem(Problem):
     Raises
     ------
     InputError
-        If one of them can't be.
+        If one of them can't be, or the motion folds.
     """
 
     cells: int = 32
@@ -93,6 +104,7 @@ class ManufacturedProblem(Problem):
             raise InputError(f"{self.name}: staggered = {self.staggered!r} must be true or false")
         if abs(self.end / self.step / 4 - round(self.end / self.step / 4)) > 1e-6:
             raise InputError(f"{self.name}: dt = {self.dt:g} s must go into a quarter of {self.end:g} s")
+        self._refuse_folds()
 
     # -- what a subclass gives ---------------------------------------------------------------
 
@@ -112,6 +124,20 @@ class ManufacturedProblem(Problem):
     @abstractmethod
     def conditions(self) -> Sequence[Condition]:
         """Return the conditions at the walls."""
+
+    def lattice(self) -> np.ndarray:
+        """Return places all over the body, where det F is checked, (n, 3) [m]: some of its corners."""
+        corners = self.mesh().vertices.reshape(-1, 3)
+        return corners[:: max(1, len(corners) // _PLACES)]
+
+    def _refuse_folds(self) -> None:
+        """Refuse a motion that turns the body inside out; once for each solution and kind of problem."""
+        exact = self.solution
+        seen = _CHECKED.setdefault(exact, set())
+        if type(self) not in seen:
+            with naming(self.name):
+                exact.refuse_folds(self.lattice(), np.linspace(0.0, self.end, _TIMES))
+            seen.add(type(self))
 
     # -- the run -----------------------------------------------------------------------------
 
@@ -149,17 +175,30 @@ class ManufacturedProblem(Problem):
         )  # fmt: skip
         return mp.Simulation(
             self.grid(), [body], interpolation=interpolation, timestep=rule,
-            scheme=self._scheme(interpolation) if scheme is None else scheme,
+            scheme=self.scheme_for(interpolation) if scheme is None else scheme,
             boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
         )  # fmt: skip
 
-    def _scheme(self, interpolation: Interpolation) -> Scheme:
-        """The order of stages that was asked for, or the one in which the method lives longest."""
+    def scheme_for(self, interpolation: Interpolation, transfer: Transfer | None = None) -> Scheme:
+        """Return the order of stages that was asked for, or the one in which a method lives longest.
+
+        Parameters
+        ----------
+        interpolation
+            The method.
+        transfer
+            How velocities come back; None takes FLIP().
+        """
         from matpoint.scheme import SCHEMES  # noqa: PLC0415 (keeps the import of a case light)
+        from matpoint.transfers import FLIP  # noqa: PLC0415
 
         short_lived = ("mpm", "mls", "imls", "tls") if self.free_surfaces else ("mpm",)
         own = "musl" if interpolation.name in short_lived else interpolation.default_scheme
-        return SCHEMES[self.scheme or own]()
+        return SCHEMES[self.scheme or own](FLIP() if transfer is None else transfer)
+
+    def particle_count(self) -> float:
+        """Return how many particles the mesh will have, for checks before a run."""
+        return float(self.mesh().n)
 
     def errors(self, sim: Simulation) -> np.ndarray:
         """Return the RMS errors of displacement, velocity and stress as they are now (T 48), shape (3,)."""
@@ -176,7 +215,9 @@ class ManufacturedProblem(Problem):
         squares = [(g**2).sum(axis=1) for g in gaps[:2]] + [(gaps[2] ** 2) @ weight]
         return np.sqrt([s.mean() for s in squares])
 
-    def track(self, interpolation: Interpolation, threads: int | None = None) -> ErrorTrack:
+    def track(
+        self, interpolation: Interpolation, threads: int | None = None, transfer: Transfer | None = None
+    ) -> ErrorTrack:
         """Run a method to the end, or to where it fails, and return its errors over time.
 
         Parameters
@@ -185,8 +226,11 @@ class ManufacturedProblem(Problem):
             The method.
         threads
             None takes all processors.
+        transfer
+            How velocities come back; None takes FLIP().
         """
-        sim = self.simulation(interpolation, threads=threads)
+        scheme = self.scheme_for(interpolation, transfer)
+        sim = self.simulation(interpolation, scheme=scheme, threads=threads)
         sampler = Sampler(sampling(self.end, self.step), self.errors)
         failed, began = None, time.perf_counter()
         try:

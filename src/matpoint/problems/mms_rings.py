@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from matpoint.problems.manufactured import ManufacturedProblem
 
 if TYPE_CHECKING:
@@ -55,10 +57,22 @@ class _Ring(ManufacturedProblem):
         """Return the ring in quadrilaterals."""
         from matpoint.meshes import mesh_annulus  # noqa: PLC0415 (keeps the import of a case light)
 
+        return mesh_annulus(self.inner, self.outer, self._divisions(), self.angles)
+
+    def lattice(self) -> np.ndarray:
+        """Return 17 circles, the two of the outside among them, of 33 places each."""
+        R, a = np.meshgrid(np.linspace(self.inner, self.outer, 17), np.linspace(*self.angles, 33))
+        return np.stack([(R * np.cos(a)).ravel(), (R * np.sin(a)).ravel(), np.zeros(R.size)], axis=1)
+
+    def particle_count(self) -> float:
+        """Return how many particles the mesh has."""
+        across, along = self._divisions()
+        return float(across) * float(along)
+
+    def _divisions(self) -> tuple[int, int]:
         length = (self.upper - self.lower) / self.cells / self.per_cell
         middle = 0.5 * (self.inner + self.outer) * (self.angles[1] - self.angles[0])
-        divisions = max(1, round((self.outer - self.inner) / length)), max(3, round(middle / length))
-        return mesh_annulus(self.inner, self.outer, divisions, self.angles)
+        return max(1, round((self.outer - self.inner) / length)), max(3, round(middle / length))
 
 
 @dataclass(frozen=True)

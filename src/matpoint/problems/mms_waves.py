@@ -8,9 +8,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from matpoint.checks import whole
 from matpoint.errors import InputError
 from matpoint.problems.manufactured import ManufacturedProblem
+from matpoint.problems.random_cells import MEAN_COUNT
 
 if TYPE_CHECKING:
     from matpoint.boundary import Condition
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
 
 YOUNG, POISSON, DENSITY = 1e7, 0.3, 1000.0
 SPEED = math.sqrt(YOUNG / DENSITY)  # [m/s]
+_PLACES = {1: 65, 2: 33, 3: 13}  # along each axis, the middle and the walls among them
 
 
 @lru_cache(maxsize=16)
@@ -81,6 +85,16 @@ class _Waves(ManufacturedProblem):
         if self.random:
             return random_mesh(low, high, self.cells, self.random)
         return mesh_box(low, high, (self.cells * self.per_cell,) * self.dim)
+
+    def lattice(self) -> np.ndarray:
+        """Return a lattice over the box with its walls: 65, 33 or 13 places along each axis."""
+        lines = [np.linspace(0.0, 1.0, _PLACES[self.dim])] * self.dim + [np.zeros(1)] * (3 - self.dim)
+        return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
+
+    def particle_count(self) -> float:
+        """Return how many particles the mesh has; of random ones the mean."""
+        each = MEAN_COUNT if self.random else float(self.per_cell) ** self.dim
+        return each * float(self.cells) ** self.dim
 
     def conditions(self) -> Sequence[Condition]:
         """Return rollers on all walls."""

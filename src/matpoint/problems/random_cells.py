@@ -9,6 +9,8 @@ import numpy as np
 from matpoint.domains import Domains, Kind
 
 _FEWEST, _MOST = 4, 9
+#: Particles that a cell gets in the mean.
+MEAN_COUNT = 0.5 * (_FEWEST + _MOST)
 _NEAREST = 0.2  # of a box's length: how near to its end it may be cut
 
 

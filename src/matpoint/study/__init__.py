@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from matpoint.study.converge import Study, converge
+from matpoint.study.converge import Study, carry_out, converge
 from matpoint.study.orders import fitted, neighbours, orders, tables
+from matpoint.study.plan import Plan, plan
 
-__all__ = ["Study", "converge", "fitted", "neighbours", "orders", "tables"]
+__all__ = ["Plan", "Study", "carry_out", "converge", "fitted", "neighbours", "orders", "plan", "tables"]

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from matpoint.checks import whole
-from matpoint.errors import InputError
+from matpoint.errors import StudyError
 from matpoint.problems import ManufacturedProblem
 from matpoint.study.orders import orders, tables
+from matpoint.study.plan import Methods, Plan, plan
 from matpoint.study.pool import answers
 from matpoint.study.store import keep, key, recall
-from matpoint.study.worker import entry, task
+from matpoint.study.worker import entry
 from matpoint.threads import available_threads
+from matpoint.transfers import Transfer
 
 #: Told of every run that is done: a line of text.
 Announce = Callable[[str], None]
@@ -25,30 +27,52 @@ class Study:
 
     Attributes
     ----------
-    problem
-        The problem, at its own size.
+    plan
+        What was run: problem, methods with their options, cells, transfer.
     entries
-        Method -> an entry for each size, in order of cells: ``cells``, the norms (None where a run did not
-        get so far), ``particle_steps``, ``wall_s`` [s], ``failed`` (None, or where and why it ended).
+        Method, or its label -> an entry for each size, in order of cells: ``cells``, the norms (None where a
+        run did not get so far), ``particle_steps``, ``wall_s`` [s], ``failed`` (None, or where and why it
+        ended).
     """
 
-    problem: ManufacturedProblem
+    plan: Plan
     entries: dict[str, list[dict[str, Any]]]
+
+    @property
+    def problem(self) -> ManufacturedProblem:
+        """The problem, at its own size."""
+        return self.plan.problem
+
+    @property
+    def finished(self) -> int:
+        """How many runs reached their end."""
+        return sum(e["failed"] is None for entries in self.entries.values() for e in entries)
+
+    def refuse_failure(self) -> None:
+        """Raise StudyError if no run reached its end."""
+        if not self.finished:
+            failed = [(label, e) for label, entries in self.entries.items() for e in entries]
+            label, first = failed[0]
+            raise StudyError(
+                f"none of {len(failed)} runs reached its end; {label} with {first['cells']} cells failed:"
+                f" {first['failed']}"
+            )
 
     def json(self) -> dict[str, Any]:
         """Return method -> entries, and under ``order`` method -> fitted slopes."""
         return {**self.entries, "order": orders(self.entries)}
 
     def tables(self) -> str:
-        """Return the errors, with orders between neighbours, as aligned text."""
-        return tables(self.entries)
+        """Return what was run, and the errors with orders between neighbours, as aligned text."""
+        return f"{self.plan.heading()}\n\n{tables(self.entries)}"
 
 
 def converge(
     problem: ManufacturedProblem,
-    methods: Sequence[str] | None = None,
+    methods: Methods | None = None,
     cells: Sequence[int] | None = None,
     *,
+    transfer: Transfer | None = None,
     fresh: bool = False,
     processes: int | None = None,
     announce: Announce | None = None,
@@ -58,11 +82,13 @@ def converge(
     Parameters
     ----------
     problem
-        Its settings but for ``cells`` are kept.
+        Its settings but for ``cells`` are kept; its ``scheme`` is the order of stages.
     methods
-        Names; None takes the problem's.
+        Names, or label -> interpolation to compare variants; None takes the problem's.
     cells
         Sizes; None takes the problem's.
+    transfer
+        How velocities come back to the particles, in all runs; None takes FLIP().
     fresh
         Run again what is in the store.
     processes
@@ -73,17 +99,20 @@ def converge(
     Raises
     ------
     InputError
-        If a method or a size does not exist.
+        If a method or a size does not exist, a method can't go with the transfer or the order of stages, or
+        a run would be too large.
     """
-    names = problem.chosen(methods)
-    sizes = sorted({whole("converge: cells", n, 2) for n in (problem.sizes if cells is None else cells)})
-    if not sizes:
-        raise InputError("converge: no cells given, for instance --cells 8,16,32")
+    return carry_out(plan(problem, methods, cells, transfer), fresh, processes, announce)
+
+
+def carry_out(
+    planned: Plan, fresh: bool = False, processes: int | None = None, announce: Announce | None = None
+) -> Study:
+    """Run what :func:`plan` has checked; the parameters are those of :func:`converge`."""
     count = whole("converge: processes", available_threads() if processes is None else processes)
-    # The finest grids take longest: they go first, so that no processor is left alone with one.
-    runs = [(name, n) for n in reversed(sizes) for name in names]
-    given = [task(replace(problem, cells=n), name) for name, n in runs]
-    keys = [key(g) for g in given]
+    given = planned.tasks
+    runs = list(given)
+    keys = [key(task) for task in given.values()]
     done: dict[tuple[str, int], dict[str, Any]] = {}
 
     def take(run: tuple[str, int], result: dict[str, Any], how: str = "") -> None:
@@ -98,14 +127,16 @@ def converge(
             open_.append(number)
         else:
             take(run, kept, " (kept)")
-    for place, answer in answers([given[n] for n in open_], count):
+    for place, answer in answers([given[runs[n]] for n in open_], count):
         number = open_[place]
         if isinstance(answer, str):  # nothing is known of why, so nothing is kept
             take(runs[number], entry(runs[number][1], failed=f"step unknown: {answer}"))
             continue
-        keep(keys[number], answer)
+        if "MemoryError" not in (answer["failed"] or ""):  # tomorrow there may be more
+            keep(keys[number], answer)
         take(runs[number], answer)
-    return Study(problem, {name: [done[name, n] for n in sizes] for name in names})
+    entries = {label: [done[label, n] for n in planned.cells] for label in planned.methods}
+    return Study(planned, entries)
 
 
 def _told(result: dict[str, Any]) -> str:

@@ -51,7 +51,7 @@ def _start() -> subprocess.Popen[str]:
     paths = [root, *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = os.environ | dict.fromkeys(_THREADS, "1") | {"PYTHONPATH": os.pathsep.join(paths)}
     return subprocess.Popen(
-        [sys.executable, "-c", "from matpoint.study.worker import main; main()"],
+        [sys.executable, "-W", "ignore", "-c", "from matpoint.study.worker import main; main()"],
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8", env=environment,
         start_new_session=True,  # Ctrl-C is for the study, which ends them
     )  # fmt: skip

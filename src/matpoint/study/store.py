@@ -6,22 +6,19 @@ import hashlib
 import json
 import os
 import platform
+import warnings
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from matpoint.fingerprint import spelled
 from matpoint.jit import cache_folder, source_hash
 
 
 def key(given: dict[str, Any]) -> str:
-    """Return a hash of a task: problem, settings, method with its options, sources and versions."""
-    from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
-
-    method = METHODS[given["method"]]
+    """Return a hash of a task: problem, settings, method, options, transfer; of sources and versions."""
     parts = {
         **given,
-        "interpolation": f"{type(method).__name__} {spelled(method)}",
         "sources": source_hash(),
         "versions": [version(name) for name in ("numpy", "numba", "scipy", "sympy")],
         "python": platform.python_version(),
@@ -45,11 +42,20 @@ def recall(name: str) -> dict[str, Any] | None:
 
 
 def keep(name: str, result: dict[str, Any]) -> None:
-    """Keep a result; where the folder can't be written nothing is kept."""
+    """Keep a result; where the folder can't be written nothing is kept, which is said once."""
     try:
         folder().mkdir(parents=True, exist_ok=True)
         part = folder() / f"{name}.{os.getpid()}.tmp"
         part.write_text(json.dumps(result), encoding="utf-8")
         part.replace(folder() / f"{name}.json")
-    except OSError:
-        return
+    except OSError as error:
+        _say_once(str(folder()), error.strerror or str(error))
+
+
+@cache
+def _say_once(where: str, why: str) -> None:
+    warnings.warn(
+        f"results of studies are not kept, and will be run again: {where} can't be written ({why});"
+        " MATPOINT_CACHE names another folder",
+        stacklevel=3,
+    )

@@ -6,6 +6,8 @@ import dataclasses
 import json
 import os
 import sys
+import threading
+import time
 import warnings
 from typing import TYPE_CHECKING, Any
 
@@ -13,21 +15,21 @@ from matpoint.errors import InputError
 from matpoint.problems import PROBLEMS, ManufacturedProblem
 from matpoint.problems.errors_track import NORMS
 from matpoint.problems.sampler import Sampler
+from matpoint.study.choices import packed, unpacked
 
 if TYPE_CHECKING:
     from matpoint.interpolation import Interpolation
+    from matpoint.transfers import Transfer
 
 _warm: set[tuple[str, str]] = set()
 
 
-def one_run(problem: ManufacturedProblem, method: str) -> dict[str, Any]:
-    """Run a method of ``METHODS`` on a problem, on one thread; return its entry of the study."""
-    from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
-
-    return run_choice(problem, METHODS[method], method)
-
-
-def run_choice(problem: ManufacturedProblem, interpolation: Interpolation, label: str) -> dict[str, Any]:
+def run_choice(
+    problem: ManufacturedProblem,
+    interpolation: Interpolation,
+    label: str,
+    transfer: Transfer | None = None,
+) -> dict[str, Any]:
     """Run an interpolation on a problem, on one thread; return its entry of the study.
 
     Compiled code is loaded by two steps of another run first, so that ``wall_s`` is time of the run.
@@ -37,14 +39,17 @@ def run_choice(problem: ManufacturedProblem, interpolation: Interpolation, label
     problem, interpolation
         What is run.
     label
-        A name of its own for these options.
+        A name of its own for these options and the transfer.
+    transfer
+        How velocities come back; None takes FLIP().
     """
     try:
         if (problem.name, label) not in _warm:
-            first = problem.simulation(interpolation, threads=1)
+            scheme = problem.scheme_for(interpolation, transfer)
+            first = problem.simulation(interpolation, scheme=scheme, threads=1)
             first.run(2 * first.dt, writers=[Sampler(1, problem.errors)])
             _warm.add((problem.name, label))
-        track = problem.track(interpolation, threads=1)
+        track = problem.track(interpolation, threads=1, transfer=transfer)
     except (InputError, ArithmeticError, ValueError, MemoryError) as error:
         return entry(problem.cells, failed=f"step 0: {type(error).__name__}: {error}")
     return entry(problem.cells, problem.measure(track), track.particle_steps, track.wall, track.failed)
@@ -67,19 +72,32 @@ def entry(
     }  # fmt: skip
 
 
-def task(problem: ManufacturedProblem, method: str) -> dict[str, Any]:
-    """Return what a worker needs to know."""
-    return {"problem": problem.name, "settings": dataclasses.asdict(problem), "method": method}
+def task(problem: ManufacturedProblem, interpolation: Interpolation, transfer: Transfer) -> dict[str, Any]:
+    """Return what a worker needs to know; a run depends on it and on the sources alone."""
+    return {
+        "problem": problem.name, "settings": dataclasses.asdict(problem),
+        "interpolation": packed(interpolation), "transfer": packed(transfer),
+    }  # fmt: skip
+
+
+def leave_with(parent: int) -> None:
+    """End this process once that of the study, which may have been killed in the middle of a run, is gone."""
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
 
 
 def main() -> None:
     """Answer tasks from the standard input until it closes."""
+    threading.Thread(target=leave_with, args=(os.getppid(),), daemon=True).start()
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # nothing else may come between the answers
     warnings.simplefilter("ignore")
     for line in sys.stdin:
         given = json.loads(line)
         problem: Any = PROBLEMS[given["problem"]]
-        found = one_run(problem(**given["settings"]), given["method"])
+        choice, transfer = unpacked(given["interpolation"]), unpacked(given["transfer"])
+        label = json.dumps([given["interpolation"], given["transfer"]])
+        found = run_choice(problem(**given["settings"]), choice, label, transfer)
         answers.write(json.dumps(found) + "\n")
         answers.flush()
