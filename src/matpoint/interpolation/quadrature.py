@@ -153,18 +153,19 @@ class Quadrature:
     def evaluate(self, particles: Particles, body: np.ndarray, with_velocity: bool) -> None:
         """Bring the particles' fields to the points (T 24-26)."""
         p, c, s = particles, self._list, self._solver
-        fields = np.empty((len(p), 13 if with_velocity else 10))
+        fields = np.zeros((len(p), kernels.FIELDS))
         fields[:, 0] = p.mass / p.volume
         fields[:, 1:7] = p.stress
         fields[:, 7:10] = fields[:, :1] * body
         if with_velocity:
-            fields[:, 10:] = p.velocity
-        values = np.empty((len(self._gauss), fields.shape[1]))
+            fields[:, 10:13] = p.velocity
+        values = np.empty((len(self._gauss), kernels.FIELDS))
         found = self._team.split(
             len(values),
             lambda a, b: kernels.fields_at_points(
                 a, b, self._gauss, s.mode, *self._monomials, s.tolerance, s.limit, *c.arguments,
-                self._support, p.position, c.order, c.pointer, fields, values, self.ranks, self.conditions,
+                self._support, p.position, c.order, c.pointer, fields.ravel(), values.ravel(), self.ranks,
+                self.conditions,
             ),
         )  # fmt: skip
         refuse_crowds(found, c)
@@ -176,7 +177,7 @@ class Quadrature:
         self.volume = np.concatenate([self._volume, p.volume[k]])
         self.stress = np.concatenate([values[:, 1:7], p.stress[k]])
         self.body = np.concatenate([values[:, 7:10] * inverse[:, None], own[k]])
-        velocity = values[:, 10:] if with_velocity else np.zeros((len(values), 3))
+        velocity = values[:, 10:13] if with_velocity else np.zeros((len(values), 3))
         self.velocity = np.concatenate([velocity, p.velocity[k]])
 
 

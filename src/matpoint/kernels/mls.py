@@ -14,13 +14,9 @@ from matpoint.jit import device
 
 @device
 def spline_weight(r):
-    """Quadratic spline of support 1.5 (T 27, with r = |x - x_p|/h)."""
-    r = abs(r)
-    if r < 0.5:
-        return 0.75 - r * r
-    if r < 1.5:
-        return 0.5 * (1.5 - r) * (1.5 - r)
-    return 0.0
+    """Quadratic spline of support 1.5 (T 27, with r = |x - x_p|/h), as a difference of two squares."""
+    wide, narrow = max(1.5 - abs(r), 0.0), max(0.5 - abs(r), 0.0)
+    return 0.5 * wide * wide - 1.5 * narrow * narrow
 
 
 @device
@@ -53,21 +49,28 @@ def gather(gx, gy, gz, origin, inverse, cells, support, smooth, x, order, pointe
     for i in range(ax, bx + 1):
         for j in range(ay, by + 1):
             row = (i * cells[1] + j) * cells[2]
-            for q in range(pointer[row + az], pointer[row + bz + 1]):
+            first, last = pointer[row + az], pointer[row + bz + 1]
+            if n + last - first > near.shape[0]:
+                return -1
+            for q in range(first, last):
                 p = order[q]
-                u = (x[p, 0] - gx) * inverse[0]
-                v = (x[p, 1] - gy) * inverse[1]
-                w = (x[p, 2] - gz) * inverse[2]
-                value = point_weight(u, support, smooth)
-                value *= point_weight(v, support, smooth) if inverse[1] > 0.0 else 1.0
-                value *= point_weight(w, support, smooth) if inverse[2] > 0.0 else 1.0
-                if value > 0.0:
-                    if n == near.shape[0]:
-                        return -1
-                    near[n], weight[n] = p, value
-                    offset[0, n], offset[1, n], offset[2, n] = u, v, w
-                    n += 1
-    return n
+                near[n] = p
+                offset[0, n] = (x[p, 0] - gx) * inverse[0]
+                offset[1, n] = (x[p, 1] - gy) * inverse[1]
+                offset[2, n] = (x[p, 2] - gz) * inverse[2]
+                n += 1
+    for j in range(n):  # without a branch, so that it is done for several at a time
+        value = point_weight(offset[0, j], support, smooth)
+        value *= point_weight(offset[1, j], support, smooth) if inverse[1] > 0.0 else 1.0
+        value *= point_weight(offset[2, j], support, smooth) if inverse[2] > 0.0 else 1.0
+        weight[j] = value
+    kept = 0
+    for j in range(n):
+        if weight[j] > 0.0:
+            near[kept], weight[kept] = near[j], weight[j]
+            offset[0, kept], offset[1, kept], offset[2, kept] = offset[0, j], offset[1, j], offset[2, j]
+            kept += 1
+    return kept
 
 
 @device

@@ -10,8 +10,11 @@ import numpy as np
 
 from matpoint.jit import device, kernel
 from matpoint.kernels.mls import fill_basis, gather, improved_shape, moment_shape
+from matpoint.kernels.vector import fma, lane, load, store, zero
 
-ROOM = 4096  # neighbours of one point
+ROOM = 8192  # particles in the cells around one point
+STRIDE = ROOM + 8  # so that columns do not begin in the same lines of a cache
+FIELDS = 16  # numbers that a particle hands to the points: two lines
 MODES = {"imls": 0, "mls": 1, "raw-mls": 2}
 
 
@@ -94,13 +97,13 @@ def fields_at_points(
 ):  # fmt: skip
     """values[g] = sum_p phi_g(x_p) fields[p] at the points ``place`` (g, 3) [m] (T 24-26).
 
-    ``fields`` (n, columns) are the particles'. Where the density, column 0, comes out negative (few particles
-    beside a free surface) the weighted mean is taken instead. Return the first point with more than ``ROOM``
-    neighbours, or -1.
+    ``fields`` and ``values`` are flat, ``FIELDS`` numbers each. Where the density, the first, comes out
+    negative (few particles beside a free surface) the weighted mean is taken instead. Return the first point
+    with more than ``ROOM`` particles around, or -1.
     """
-    columns, width = counts[counts.shape[0] - 1], fields.shape[1]
+    columns = counts[counts.shape[0] - 1]
     near, weight, shape = np.empty(ROOM, np.int64), np.empty(ROOM), np.empty(ROOM)
-    offset, basis = np.empty((3, ROOM)), np.empty((columns, ROOM))
+    offset, basis = np.empty((3, STRIDE)), np.empty((columns, STRIDE))
     value, norm, moment = np.empty(columns), np.empty(columns), np.empty((columns, columns))
     for g in range(start, stop):
         n, rank, condition = shape_at(
@@ -111,22 +114,27 @@ def fields_at_points(
         if n < 0:
             return g
         ranks[g], conditions[g] = rank, condition
-        for f in range(width):
-            values[g, f] = 0.0
-        for attempt in range(2):
-            for j in range(n):
-                for f in range(width):
-                    values[g, f] += shape[j] * fields[near[j], f]
-            if values[g, 0] > 0.0 or n == 0 or attempt == 1:
-                break
+        first, second = _sum_fields(n, near, shape, fields)
+        if n > 0 and not lane(first, 0) > 0.0:
             total = 0.0
             for j in range(n):
                 total += weight[j]
             for j in range(n):
                 shape[j] = weight[j] / total
-            for f in range(width):
-                values[g, f] = 0.0
+            first, second = _sum_fields(n, near, shape, fields)
+        store(values, FIELDS * g, first)
+        store(values, FIELDS * g + 8, second)
     return -1
+
+
+@device
+def _sum_fields(n, near, shape, fields):
+    first, second = zero(), zero()
+    for j in range(n):
+        at = FIELDS * near[j]
+        first = fma(shape[j], load(fields, at), first)
+        second = fma(shape[j], load(fields, at + 8), second)
+    return first, second
 
 
 @kernel
@@ -141,7 +149,7 @@ def velocities_at_nodes(
     """
     columns = counts[counts.shape[0] - 1]
     near, weight, shape = np.empty(ROOM, np.int64), np.empty(ROOM), np.empty(ROOM)
-    offset, basis = np.empty((3, ROOM)), np.empty((columns, ROOM))
+    offset, basis = np.empty((3, STRIDE)), np.empty((columns, STRIDE))
     value, norm, moment = np.empty(columns), np.empty(columns), np.empty((columns, columns))
     for i in range(start, stop):
         ranks[i], conditions[i] = columns, 0.0
