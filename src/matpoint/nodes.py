@@ -13,6 +13,8 @@ from matpoint.kernels.rows import Absent, Cubic, Gimp, Hat, Quadratic
 from matpoint.kernels.vector import records
 from matpoint.threads import Team
 
+_LIGHT = 8  # nodes that are as much work as one particle
+
 
 class Axis:
     """One axis of the grid as kernels see it: a row type and the coordinates of its nodes [m]."""
@@ -133,7 +135,7 @@ class Nodes:
         """Call ``call(start, stop)`` on pieces of the active nodes' planes across the first axis."""
         i, j, k = (b - a for a, b in zip(self.first, self.last, strict=True))
         first = self.first[0]
-        team.split(i, lambda a, b: call(first + a, first + b), each=j * k)
+        team.split(i, lambda a, b: call(first + a, first + b), each=-(-j * k // _LIGHT))
 
     def clear(self, team: Team) -> None:
         """Empty the active records before a transfer."""

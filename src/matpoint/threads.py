@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from itertools import pairwise
 from typing import Any
 
@@ -46,7 +46,7 @@ class Team:
         if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1024:
             raise InputError(f"threads = {threads!r} must be a whole number from 1 to 1024")
         self.threads = count
-        self._pool = ThreadPoolExecutor(count) if count > 1 else None
+        self._pool = ThreadPoolExecutor(count - 1) if count > 1 else None  # the caller is one of them
 
     def pieces(self, count: int, most: int | None = None, each: int = 1) -> list[tuple[int, int]]:
         """Cut range(count) into a piece for each thread, but no more than ``most``; one if it is short.
@@ -62,8 +62,21 @@ class Team:
         """Call ``call(number, start, stop)`` for each piece; return the results in order."""
         if self._pool is None or len(pieces) == 1:
             return [call(k, a, b) for k, (a, b) in enumerate(pieces)]
-        futures = [self._pool.submit(call, k, a, b) for k, (a, b) in enumerate(pieces)]
-        return [future.result() for future in futures]
+        results: list[Any] = [None] * len(pieces)
+        turn = iter(range(len(pieces)))  # whoever is free takes the next one; the caller works too
+
+        def work() -> None:
+            for k in turn:
+                results[k] = call(k, *pieces[k])
+
+        others = [self._pool.submit(work) for _ in range(min(self.threads, len(pieces)) - 1)]
+        try:
+            work()
+        finally:
+            wait(others)
+        for other in others:
+            other.result()
+        return results
 
     def split(self, count: int, call: Callable[[int, int], Any], each: int = 1) -> list[Any]:
         """Call ``call(start, stop)`` on the pieces of range(count); return the results in order."""
