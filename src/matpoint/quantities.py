@@ -124,7 +124,7 @@ QUANTITIES: dict[str, Quantity] = {
     "grid_momentum_error": Quantity(
         lambda sim: float(getattr(sim.engine.mapping, "grid_momentum_error", 0.0)),
         "-",
-        "|momentum on the nodes less that of the particles| over the sum of their |m v|, at the last transfer",
+        "|momentum on the nodes less that of particles| over the sum of their |m v|, at the last transfer",
     ),
     "smallest_rank": Quantity(
         lambda sim: _worst(sim, "ranks", np.min), "-", "fewest columns kept by a reconstruction (IMLS)"
