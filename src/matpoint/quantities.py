@@ -127,7 +127,9 @@ QUANTITIES: dict[str, Quantity] = {
         "|momentum on the nodes less that of particles| over the sum of their |m v|, at the last transfer",
     ),
     "smallest_rank": Quantity(
-        lambda sim: _worst(sim, "ranks", np.min), "-", "fewest columns kept by a reconstruction (IMLS)"
+        lambda sim: _worst(sim, "ranks", np.min),
+        "-",
+        "fewest columns kept by a reconstruction; 0 before the first step",
     ),
     "largest_condition": Quantity(
         lambda sim: _worst(sim, "conditions", np.max),
