@@ -170,8 +170,8 @@ class SplineIMLS(Interpolation):
         Of the splines, 2 or 3.
     tolerance
         As for :class:`IMLS`. Where a ring meets a wall its particles stand on lines that are almost parallel
-        to it: with 1e-8 to 3e-4 a cubic column between them stays, and such runs break; waves between walls
-        are the same to two digits from 1e-8 to 3e-3.
+        to it: with 1e-8 to 3e-4 a cubic column between them stays, and such runs break. Displacements of
+        waves between walls are the same to two digits from 1e-8 to 3e-3.
     """
 
     degree: int = 3
