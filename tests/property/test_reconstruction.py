@@ -266,6 +266,26 @@ def test_spline_imls_reports_its_drift_of_momentum_too():
     assert 1e-9 < sim.quantity("grid_momentum_error") < 1e-2
 
 
+def test_a_mass_that_can_t_be_inverted_ends_the_run_with_its_step(monkeypatch):
+    problem = PROBLEMS["mms-1d"](cells=8)
+    sim = problem.simulation(mp.SplineIMLS(), threads=1)
+    sim.advance(sim.dt)
+    monkeypatch.setattr("matpoint.interpolation.consistent._MOST", 1)
+    with pytest.raises(mp.RunError, match="step 1, .*did not converge"):
+        sim.run(problem.end)
+    assert "did not converge" in str(problem.track(mp.SplineIMLS(), threads=1).failed)
+
+
+def test_too_many_particles_around_a_point_end_the_run_with_its_step():
+    rubber = mp.NeoHookean(E=1e5, nu=0.3, density=1e3)
+    sim = mp.Simulation(
+        mp.Grid((0.0,), (1.0,), 0.25), [mp.Body(mp.Box((0.0,), (1.0,)), rubber, per_cell=2000)],
+        interpolation=mp.IMLS(), timestep=mp.FixedStep(1e-6), threads=1,
+    )  # fmt: skip
+    with pytest.raises(mp.RunError, match="step 0, .*fewer per cell"):
+        sim.advance(sim.dt)
+
+
 def test_reprojection_is_the_musl_order():
     assert _simulation(mp.IMLS(reproject=True), None).scheme.name == "musl"
     assert _simulation(mp.IMLS(), None).scheme.name == "usl"
