@@ -271,7 +271,7 @@ def test_a_mass_that_can_t_be_inverted_ends_the_run_with_its_step(monkeypatch):
     sim = problem.simulation(mp.SplineIMLS(), threads=1)
     sim.advance(sim.dt)
     monkeypatch.setattr("matpoint.interpolation.consistent._MOST", 1)
-    with pytest.raises(mp.RunError, match="step 1, .*did not converge"):
+    with pytest.raises(mp.RunError, match=r"step 1, .*did not converge"):
         sim.run(problem.end)
     assert "did not converge" in str(problem.track(mp.SplineIMLS(), threads=1).failed)
 
@@ -282,7 +282,7 @@ def test_too_many_particles_around_a_point_end_the_run_with_its_step():
         mp.Grid((0.0,), (1.0,), 0.25), [mp.Body(mp.Box((0.0,), (1.0,)), rubber, per_cell=2000)],
         interpolation=mp.IMLS(), timestep=mp.FixedStep(1e-6), threads=1,
     )  # fmt: skip
-    with pytest.raises(mp.RunError, match="step 0, .*fewer per cell"):
+    with pytest.raises(mp.RunError, match=r"step 0, .*fewer per cell"):
         sim.advance(sim.dt)
 
 
