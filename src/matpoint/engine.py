@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from matpoint.boundary import Constraints
-from matpoint.errors import NotFiniteError, RunError
+from matpoint.errors import MatpointError, NotFiniteError, RunError
 from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Held, Mapping, ParticleError
@@ -98,11 +98,11 @@ class Engine:
 
     def gather(self) -> None:
         """Mass, momentum and forces to the nodes."""
-        self.mapping.to_nodes(self.body, kinematic=True, dynamic=True)
+        self._to_nodes(dynamic=True)
 
     def gather_momentum(self) -> None:
         """Mass and momentum to the nodes."""
-        self.mapping.to_nodes(self.body, kinematic=True, dynamic=False)
+        self._to_nodes(dynamic=False)
 
     def gather_affine(self) -> None:
         """APIC's affine momentum to the nodes."""
@@ -235,12 +235,21 @@ class Engine:
         external[3] += float((push * 0.5 * (before + after)).sum())
         external[4:] += np.cross(points, vectors).sum(axis=0)
 
+    def _to_nodes(self, *, dynamic: bool) -> None:
+        try:
+            self.mapping.to_nodes(self.body, kinematic=True, dynamic=dynamic)
+        except ParticleError as fault:
+            raise self.fail(fault.particle, fault.cause) from None
+
     def _solve_consistent(self, dt: float) -> None:
         """Solve with the conditions inside; the stage of conditions then finds nothing left to do."""
         c = self.constraints
         before, after = c.velocities(self.time), c.velocities(self.time + dt)
         held = Held(c.index, c.normal, before, after)
-        push = self.mapping.solve(dt, self.damping.rate, self.damping.factor, held)
+        try:
+            push = self.mapping.solve(dt, self.damping.rate, self.damping.factor, held)
+        except MatpointError as fault:
+            raise RunError(str(fault), step=self.step, time=self.time) from None
         if dt > 0.0:
             self._book(push, before, after, self.external)
 

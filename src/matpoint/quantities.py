@@ -121,8 +121,15 @@ QUANTITIES: dict[str, Quantity] = {
         "-",
         "mass on the nodes less that of the particles, over it: what a reconstruction does not conserve",
     ),
+    "grid_momentum_error": Quantity(
+        lambda sim: float(getattr(sim.engine.mapping, "grid_momentum_error", 0.0)),
+        "-",
+        "|momentum on the nodes less that of particles| over the sum of their |m v|, at the last transfer",
+    ),
     "smallest_rank": Quantity(
-        lambda sim: _worst(sim, "ranks", np.min), "-", "fewest columns kept by a reconstruction (IMLS)"
+        lambda sim: _worst(sim, "ranks", np.min),
+        "-",
+        "fewest columns kept by a reconstruction; 0 before the first step",
     ),
     "largest_condition": Quantity(
         lambda sim: _worst(sim, "conditions", np.max),

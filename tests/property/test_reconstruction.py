@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import matpoint as mp
 from matpoint.interpolation.reconstruction import monomials
 from matpoint.kernels.mls import fill_basis, improved_shape, moment_shape
+from matpoint.problems import PROBLEMS
 from matpoint.threads import Team
 from reference.moving_least_squares import polynomial, shape_functions
 from support import KIND_OF_DIM, bind, deformed_mesh, gather_field, grid_of, setting_of
@@ -227,6 +228,62 @@ def _simulation(method, scheme):
         mp.Grid((0.0,), (1.0,), 0.25), [mp.Body(mp.Box((0.0,), (1.0,)), rubber)],
         interpolation=method, scheme=scheme, timestep=mp.FixedStep(1e-4), threads=1,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("scheme", [mp.USL(), mp.MUSL(), mp.USL(mp.XPIC(3))])
+@pytest.mark.parametrize(
+    ("method", "least", "most"),
+    [(mp.Linear(), 0.0, 0.0), (mp.TLS(), 0.0, 1e-13), (mp.IMLS(), 1e-6, 1e-2), (mp.MLS(), 1e-6, 1e-2)],
+)
+def test_the_drift_of_momentum_on_the_grid_is_reported(method, scheme, least, most):
+    """Half a wave between walls; a whole one has none, by symmetry, whatever the method."""
+    problem = PROBLEMS["mms-1d-half"](cells=16)
+    sim = problem.simulation(method, scheme=scheme, threads=1)
+    history = []
+    for _ in range(200):
+        sim.advance(sim.dt)
+        history.append(sim.quantity("grid_momentum_error"))
+    assert least <= max(history) <= most
+    if method.name != "mpm":
+        sim.engine.locate(), sim.engine.clear(), sim.engine.gather()
+        p, sent = sim.particles, sim.engine.mapping.nodes.records[:, 0].sum()
+        scale = p.mass @ np.abs(p.velocity[:, 0])
+        expected = abs(sent - p.mass @ p.velocity[:, 0]) / scale
+        np.testing.assert_allclose(sim.quantity("grid_momentum_error"), expected, rtol=1e-9, atol=1e-13)
+
+
+def test_a_body_at_rest_has_no_drift_of_momentum():
+    sim = _simulation(mp.IMLS(), None)
+    sim.advance(sim.dt)
+    assert sim.quantity("grid_momentum_error") == 0.0
+
+
+def test_spline_imls_reports_its_drift_of_momentum_too():
+    problem = PROBLEMS["mms-1d-half"](cells=16)
+    sim = problem.simulation(mp.SplineIMLS(), threads=1)
+    for _ in range(50):
+        sim.advance(sim.dt)
+    assert 1e-9 < sim.quantity("grid_momentum_error") < 1e-2
+
+
+def test_a_mass_that_can_t_be_inverted_ends_the_run_with_its_step(monkeypatch):
+    problem = PROBLEMS["mms-1d"](cells=8)
+    sim = problem.simulation(mp.SplineIMLS(), threads=1)
+    sim.advance(sim.dt)
+    monkeypatch.setattr("matpoint.interpolation.consistent._MOST", 1)
+    with pytest.raises(mp.RunError, match=r"step 1, .*did not converge"):
+        sim.run(problem.end)
+    assert "did not converge" in str(problem.track(mp.SplineIMLS(), threads=1).failed)
+
+
+def test_too_many_particles_around_a_point_end_the_run_with_its_step():
+    rubber = mp.NeoHookean(E=1e5, nu=0.3, density=1e3)
+    sim = mp.Simulation(
+        mp.Grid((0.0,), (1.0,), 0.25), [mp.Body(mp.Box((0.0,), (1.0,)), rubber, per_cell=2000)],
+        interpolation=mp.IMLS(), timestep=mp.FixedStep(1e-6), threads=1,
+    )  # fmt: skip
+    with pytest.raises(mp.RunError, match=r"step 0, .*fewer per cell"):
+        sim.advance(sim.dt)
 
 
 def test_reprojection_is_the_musl_order():

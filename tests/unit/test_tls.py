@@ -7,6 +7,7 @@ import pytest
 
 import matpoint as mp
 from matpoint.domains import Kind
+from matpoint.problems import PROBLEMS
 from runs import RUBBER, advance, two_blocks
 from support import bind, deformed_mesh, setting_of
 
@@ -97,7 +98,7 @@ def test_fits_are_least_squares_but_for_the_mean(dim, degree):
     """Differences between the Gauss points of a cell, against NumPy's least squares."""
     rng = np.random.default_rng(9)
     setting = _crowd(dim, rng, 12)
-    mapping = bind(mp.TLS(degree=degree, boxes=False), setting)
+    mapping = bind(mp.TLS(degree=degree, boxes=False, tolerance=1e-8), setting)
     p, q, grid = setting.particles, mapping.quadrature, setting.grid
     mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
@@ -159,10 +160,50 @@ def test_one_particle_in_a_cell_and_particles_on_a_line_lower_the_rank():
     assert np.isfinite(mapping.nodes.records).all()
 
 
+def test_particles_level_with_a_cell_s_centre_have_no_column_across_it():
+    """Their distances from it are rounding, not a direction in which something varies."""
+    rng = np.random.default_rng(6)
+    setting = _crowd(2, rng, 1)
+    p, grid = setting.particles, setting.grid
+    cells = np.stack(np.unravel_index(np.arange(len(p)) // 4, grid.cells), axis=1)
+    centre = np.array(grid.lower) + (cells + 0.5) * np.array(grid.cell)
+    p.position[:, :2] = centre
+    p.position[:, 0] *= 1.0 + 1e-16 * rng.integers(-3, 4, len(p))
+    p.position[:, 1] += grid.cell[1] * rng.uniform(-0.5, 0.5, len(p))
+    p.volume[:] = 10.0
+    mapping = bind(mp.TLS(boxes=False), setting)
+    mapping.nodes.clear()
+    mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
+    assert mapping.ranks.max() == 2
+    speed = np.abs(mapping.quadrature.velocity).max()
+    assert speed < 40 * np.abs(p.velocity).max()
+
+
+@pytest.mark.parametrize(("seed", "cells"), [(7, 8), (7, 32), (3, 32)])
+def test_particles_placed_at_random_run_and_keep_the_rank_honest(seed, cells):
+    """Columns that hardly differ between four particles used to make a fit explode at the first steps."""
+    problem = PROBLEMS["mms-2d"](cells=cells, staggered=True, random=seed)
+    sim = problem.simulation(mp.TLS(), threads=1)
+    sim.run(problem.end / 4)
+    assert problem.errors(sim)[0] < {8: 6e-4, 32: 6e-5}[cells]
+    assert 1 <= sim.quantity("smallest_rank") <= 3
+    assert sim.quantity("grid_mass_error") < 1e-13
+    assert sim.quantity("grid_momentum_error") < 1e-13
+
+
+def test_the_smallest_rank_is_that_of_cells_with_a_particle():
+    problem = PROBLEMS["mms-2d"](cells=16, staggered=True, per_cell=1)
+    sim = problem.simulation(mp.TLS(), threads=1)
+    sim.run(problem.end / 4)
+    assert (np.bincount(sim.engine.mapping.cells.cell, minlength=256) == 0).any()
+    assert sim.quantity("smallest_rank") == 1
+
+
 @pytest.mark.parametrize("dim", [1, 2, 3])
 def test_blocks_collide_and_the_grid_has_their_mass(dim):
     sim = advance(two_blocks(mp.TLS(), dim), 100)
     assert sim.quantity("grid_mass_error") < 1e-13
+    assert sim.quantity("grid_momentum_error") < 1e-13
     assert np.isfinite(sim.particles.velocity).all()
 
 

@@ -30,6 +30,8 @@ class ConsistentMapping(ReconstructedMapping):
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         self.quadrature.evaluate(self.particles, body, with_velocity=True)
         self._scatter(kinematic, dynamic)
+        if kinematic:
+            self._compare_momenta()
 
     def solve(self, dt: float, rate: float, factor: float, held: Held) -> np.ndarray:
         """Turn momenta and forces into velocities and increments; return impulses along what is held."""

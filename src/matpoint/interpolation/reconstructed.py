@@ -23,6 +23,10 @@ class ReconstructedMapping(BoxMapping):
     ----------
     grid_mass : float
         Mass [kg] on the nodes at the last transfer.
+    grid_momentum_error : float
+        |momentum of the nodes less that of the particles| over the sum of the particles' |m v|, at the last
+        transfer of velocities. The sum, not the particles' momentum itself, which vanishes in a standing
+        wave. 0 if all are at rest.
     node_ranks, node_conditions : ndarray
         Rank and condition number of the moment matrix at each node.
     """
@@ -43,6 +47,7 @@ class ReconstructedMapping(BoxMapping):
         self.node_ranks = np.zeros(self.nodes.on_grid, dtype=np.int64)
         self.node_conditions = np.zeros(self.nodes.on_grid)
         self.grid_mass = float(self.particles.mass.sum())
+        self.grid_momentum_error = 0.0
 
     @property
     def grid_mass_error(self) -> float:
@@ -91,6 +96,12 @@ class ReconstructedMapping(BoxMapping):
     def velocities_to_nodes(self) -> None:
         self._velocities()
 
+    def round_trip(self, velocity: np.ndarray) -> np.ndarray:
+        kept = self.grid_momentum_error
+        result = super().round_trip(velocity)
+        self.grid_momentum_error = kept  # the trip's velocities are not the particles'
+        return result
+
     def _scatter(self, kinematic: bool, dynamic: bool) -> None:
         """Mass, momentum and forces of the quadrature points to the nodes (T 28-30, with rho in T 29)."""
         q, n = self.quadrature, self.nodes
@@ -112,6 +123,15 @@ class ReconstructedMapping(BoxMapping):
         refuse_crowds(found, c)
         if len(self.quadrature.cut):
             self._average_beside_cut_cells()
+        self._compare_momenta()
+
+    def _compare_momenta(self) -> None:
+        """Note how far the nodes' momentum is from the particles', whose velocities are still those sent."""
+        p = self.particles
+        momenta = p.mass[:, None] * p.velocity
+        gap = self.nodes.records[:, :3].sum(axis=0) - momenta.sum(axis=0)
+        scale = float(np.sqrt((momenta**2).sum(axis=1)).sum())
+        self.grid_momentum_error = float(np.sqrt(gap @ gap)) / scale if scale > 0.0 else 0.0
 
     def _average_beside_cut_cells(self) -> None:
         """Give nodes of cut cells the mass-weighted mean of velocities, as MPM does: no extrapolation."""

@@ -169,14 +169,16 @@ class SplineIMLS(Interpolation):
     basis_degree
         Of the splines, 2 or 3.
     tolerance
-        As for :class:`IMLS`.
+        As for :class:`IMLS`. Where a ring meets a wall its particles stand on lines that are almost parallel
+        to it: with 1e-8 to 3e-4 a cubic column between them stays, and such runs break. Displacements of
+        waves between walls are the same to two digits from 1e-8 to 3e-3.
     """
 
     degree: int = 3
     points: int = 3
     support: float = 1.5
     basis_degree: int = 2
-    tolerance: float = 1e-8
+    tolerance: float = 1e-3
     walls_only: ClassVar[bool] = True
     consistent: ClassVar[bool] = True
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "steffen2008", "tran2019")

@@ -97,7 +97,9 @@ class TaylorMapping(ReconstructedMapping):
 
     @property
     def ranks(self) -> np.ndarray:
-        return self.quadrature.ranks
+        """Columns kept at the Gauss points of cells with a particle's centre; others have no fit."""
+        found = self.quadrature.ranks
+        return found[found > 0]
 
     @property
     def conditions(self) -> np.ndarray:
@@ -125,6 +127,8 @@ class TaylorMapping(ReconstructedMapping):
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         self.quadrature.evaluate(self.particles, body, with_velocity=True)
         self._scatter(kinematic, dynamic)
+        if kinematic:
+            self._compare_momenta()
 
     def velocities_to_nodes(self) -> None:
         Mapping.velocities_to_nodes(self)
@@ -159,7 +163,9 @@ class TLS(Interpolation):
         mass jumps when one crosses: the order is then one.
     tolerance
         A column is dropped when its orthogonal part squared is below this share of itself. Cells have few
-        particles of their own, and no weights fade them out: hence more than for :class:`IMLS`.
+        particles of their own, and no weights fade them out: hence more than for :class:`IMLS`. Particles
+        placed at random break runs of the plane waves from 1e-4 to 1e-3 and lose the order up to 0.03; from
+        0.07 on it is kept. Four equal particles in a row have a share of 0.079 in their cubic column.
     """
 
     basis: BoxInterpolation = _HATS
@@ -167,7 +173,7 @@ class TLS(Interpolation):
     points: int = 2
     keep_stress: bool = True
     boxes: bool = True
-    tolerance: float = 1e-4
+    tolerance: float = 0.07
     citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "wobbes2019")
 
     def __post_init__(self) -> None:

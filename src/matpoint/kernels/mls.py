@@ -11,6 +11,9 @@ import numpy as np
 
 from matpoint.jit import device
 
+#: A column is noise when its square's mean is below this, in cells: positions are rounded in their 14th digit.
+_NOISE = 1e-20
+
 
 @device
 def spline_weight(r):
@@ -98,7 +101,8 @@ def improved_shape(n, columns, weight, basis, value, norm, tolerance, shape):
 
     Gram-Schmidt is done twice for each column. A column with <q, q> < tolerance * <monomial, monomial> is
     dropped by itself: particles on a line lose the column across it and keep the one along it (T 17 would
-    drop all that follow). ``value`` and ``norm`` are scratch, (columns,).
+    drop all that follow). So is one that is rounding alone, as when all particles stand level with the point:
+    it may differ from the others as much as a true one. ``value`` and ``norm`` are scratch, (columns,).
     """
     for k in range(columns):
         value[k] = 1.0 if k == 0 else 0.0
@@ -108,7 +112,7 @@ def improved_shape(n, columns, weight, basis, value, norm, tolerance, shape):
 @device
 def orthogonal_shape(n, columns, weight, basis, value, norm, tolerance, shape):
     """``improved_shape`` for any point: ``value`` holds the monomials there, and is overwritten."""
-    rank = 0
+    rank, norm[0] = 0, 0.0
     for k in range(columns):
         full = _dot(n, weight, basis[k], basis[k])
         for _ in range(2):
@@ -119,7 +123,7 @@ def orthogonal_shape(n, columns, weight, basis, value, norm, tolerance, shape):
                     for j in range(n):
                         basis[k, j] -= share * basis[q, j]
         left = _dot(n, weight, basis[k], basis[k])
-        norm[k] = left if left > tolerance * full else 0.0
+        norm[k] = left if left > max(tolerance * full, _NOISE * norm[0]) else 0.0
         if norm[k] > 0.0:
             rank += 1
     for j in range(n):
