@@ -59,7 +59,7 @@ class Slabs:
 
     def __init__(self, nodes: Nodes, team: Team, count: int, points: np.ndarray = EVERY_POINT) -> None:
         self._nodes, self._team, self._points = nodes, team, points
-        self._count = len(points) if len(points) else count
+        self._count = count if points is EVERY_POINT else len(points)
         self._key = np.zeros(self._count, dtype=np.int32)
         self.order = np.zeros(self._count, dtype=np.int32)
         self.pointer = np.zeros(2, dtype=np.int64)

@@ -77,7 +77,7 @@ def test_an_affine_velocity_gives_an_exact_gradient_and_a_constant_stress_no_net
     p.velocity[:] = p.position @ A.T
     p.mass[:] = 2.0 * p.volume
     p.stress[:] = rng.normal(size=6)
-    n.clear()
+    n.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
     scale = np.abs(n.records[:, 4:7]).max()
     np.testing.assert_allclose(n.records[:, 4:7].sum(axis=0), 0.0, atol=1e-11 * scale)
