@@ -27,7 +27,7 @@ constexpr double modulus = 1e6, poisson = 0.3, density = 1000.0, gravity = 9.8, 
 constexpr double shear = modulus / (2 * (1 + poisson));
 constexpr double lame = modulus * poisson / ((1 + poisson) * (1 - 2 * poisson));
 constexpr int margin = 4;         // empty cells below the block; one more lies above
-constexpr double offset = 0.3;    // of a cell: the block is not on the grid's lattice
+constexpr double offset = 0.74;   // of a cell: the block is not on the grid's lattice
 constexpr int per_cell = 2;
 constexpr double courant = 0.1;   // dt = courant h / c
 constexpr double wave = 40.0;     // c [m/s], rounded up

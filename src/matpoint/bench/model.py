@@ -1,0 +1,93 @@
+"""How many bytes each stage must move for one particle: the bandwidth's side of what a step costs.
+
+Counted is compulsory traffic: every array that a stage reads or writes passes once through memory; records
+of nodes and vertices, which neighbours in memory share, stay in cache while they are needed. The read that a
+write may cause first is not counted, as in the triad. What a stage takes beyond bytes / bandwidth is
+computing. Change the tables below with the kernels that they describe (``kernels/``).
+"""
+
+from __future__ import annotations
+
+from matpoint.bench.block import PER_CELL
+
+Traffic = tuple[tuple[str, ...], tuple[str, ...]]  # arrays read, arrays written
+
+# Bytes per particle of the arrays over particles.
+_FIELDS: dict[str, float] = {
+    "position": 24, "velocity": 24, "mass": 8, "volume": 8, "volume0": 8, "stress": 48, "F": 72, "L": 72,
+    "half": 24, "half0": 24, "edges": 72, "index": 8,
+}  # fmt: skip
+
+# kernels/locate.py: a look at the bounds, then a counting sort by slab of "index" (points, slab, order).
+_LOCATE: Traffic = (("position", "position", "index", "index", "index"), ("index", "index"))
+_NODES: dict[str, Traffic] = {"clear": ((), ("node",)), "solve": (("node",), ("node",))}
+# kernels/stress.py
+_STRESS: Traffic = (("index", "F", "L", "volume0"), ("F", "volume", "stress"))
+# Engine.advance books the work of loads; kernels/ledger.py
+_BOOK = ("mass", "position", "position")
+
+# kernels/box.py
+_POINTS: dict[str, Traffic] = {
+    "locate": _LOCATE,
+    **_NODES,
+    "particles to nodes": (("index", "position", "velocity", "mass", "volume", "stress", "node"), ("node",)),
+    "nodes to particles": (("position", "velocity", "node"), ("velocity", "position", "L")),
+    "stress": _STRESS,
+    "advance": (_BOOK, ()),
+}
+# The same with half-lengths, constant (uGIMP) or following F (cpGIMP, kernels/stretch.py).
+_BOXES: dict[str, Traffic] = {
+    **_POINTS,
+    "particles to nodes": ((*_POINTS["particles to nodes"][0], "half"), ("node",)),
+    "nodes to particles": ((*_POINTS["nodes to particles"][0], "half"), _POINTS["nodes to particles"][1]),
+}
+_STRETCHED: dict[str, Traffic] = {**_BOXES, "advance": ((*_BOOK, "F", "half0"), ("half",))}
+# kernels/vertex.py: "weights" are R and G of all corners, "slots" the list that a vertex gathers through.
+_VERTICES: dict[str, Traffic] = {
+    "locate": (("position", "corners", "corners", "slab", "slab", "slab"), ("slab", "slab")),
+    **_NODES,
+    "particles to nodes": (
+        ("slots", "weights", "velocity", "mass", "volume", "stress", "records", "slab", "corners", "node"),
+        ("records", "node"),
+    ),
+    "nodes to particles": (
+        ("slab", "corners", "node", "connectivity", "weights", "records", "velocity", "position"),
+        ("records", "velocity", "position", "L"),
+    ),
+    "stress": _STRESS,
+    "advance": ((*_BOOK, "position", "F", "edges"), ("corners", "weights")),  # CPDI1: x_p +- F r
+}
+_SHARED: dict[str, Traffic] = {
+    **_VERTICES,
+    "nodes to particles": (  # then every corner moves with its record
+        (*_VERTICES["nodes to particles"][0], "records", "corners"),
+        (*_VERTICES["nodes to particles"][1], "corners"),
+    ),
+    "advance": ((*_BOOK, "connectivity", "corners"), ("weights", "position")),
+}
+
+#: Row -> its table. The reconstructions have none: they compute, and memory hardly matters.
+TABLES: dict[str, dict[str, Traffic]] = {
+    "linear": _POINTS, "bspline2": _POINTS, "bspline3": _POINTS, "ugimp": _BOXES, "cpgimp": _STRETCHED,
+    "cpdi1": _VERTICES, "cpdi2": _SHARED, "enriched-cpdi2": _SHARED,
+}  # fmt: skip
+
+
+def sizes(name: str, dim: int) -> dict[str, float]:
+    """Return the bytes per particle of every array that the tables name."""
+    corners = 2**dim
+    vertices = corners if name == "cpdi1" else 1  # of its own, or shared by as many as a corner has domains
+    nodes = 1.0 / PER_CELL[dim] ** dim
+    return _FIELDS | {
+        "node": 64.0 * nodes, "corners": 24.0 * vertices, "records": 64.0 * vertices, "slab": 8.0 * vertices,
+        "slots": 8.0 * corners, "connectivity": 4.0 * corners, "weights": 32.0 * corners,
+    }  # fmt: skip
+
+
+def bytes_per_stage(name: str, dim: int) -> dict[str, float]:
+    """Return the bytes per particle that each stage moves; empty for rows without a model."""
+    size = sizes(name, dim)
+    return {
+        stage: sum(size[array] for array in (*read, *written))
+        for stage, (read, written) in TABLES.get(name, {}).items()
+    }
