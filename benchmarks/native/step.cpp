@@ -23,11 +23,11 @@
 
 namespace {
 
-constexpr double modulus = 1e6, poisson = 0.3, density = 1000.0, gravity = 9.8, speed = 1.0;
+constexpr double modulus = 1e6, poisson = 0.3, density = 1000.0, gravity = 9.8, speed = 1.0, waves = 0.05;
 constexpr double shear = modulus / (2 * (1 + poisson));
 constexpr double lame = modulus * poisson / ((1 + poisson) * (1 - 2 * poisson));
 constexpr int margin = 4;         // empty cells below the block; one more lies above
-constexpr double offset = 0.74;   // of a cell: the block is not on the grid's lattice
+constexpr double offset = 0.16;   // of a cell: the block is not on the grid's lattice
 constexpr int per_cell = 2;
 constexpr double courant = 0.1;   // dt = courant h / c
 constexpr double wave = 40.0;     // c [m/s], rounded up
@@ -193,7 +193,8 @@ Particles block(int cells, const Grid& grid) {
     for (int q = 0; q < p.count; ++q) {
         const int at = p.lattice[q], index[3] = {at / (side * side), at / side % side, at % side};
         for (int s = 0; s < 3; ++s) p.x[3 * q + s] = (index[s] + 0.5) * spacing;
-        for (int s = 0; s < 3; ++s) p.v[3 * q + s] = speed * std::sin(3.0 * p.x[3 * q + (s + 1) % 3]);
+        const double* x = &p.x[3 * q];
+        for (int s = 0; s < 3; ++s) p.v[3 * q + s] = speed * (1 + waves * std::sin(3.0 * x[(s + 1) % 3]));
     }
     return p;
 }

@@ -131,7 +131,8 @@ class Row:
         The rest is the ledger, and Python between the stages. They add up to the median of ``steps_ns``.
         """
         seconds = {name: median(parts[name] for parts in self.rounds) for name in self.rounds[0]}
-        seconds = {**seconds, "sort": self._sort(), "rest": seconds["rest"]}
+        rest = seconds.pop("rest")
+        seconds |= {"sort": self._sort(), "rest": rest}
         scale = median(self.steps_ns) / sum(seconds.values())
         return {name: scale * s for name, s in seconds.items()}
 

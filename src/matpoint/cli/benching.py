@@ -14,7 +14,7 @@ from matpoint.output.folder import claim
 from matpoint.output.summary import plain, write_json
 
 _FILES = ["bench.json", "bench-table.md", "scale.json", "scale-table.md", "scale.png"]
-_QUICK: dict[str, Any] = {"particles": 20_000, "rounds": 3, "triad_elements": 8_000_000}
+_QUICK: dict[str, Any] = {"particles": 20_000, "rounds": 4, "triad_elements": 8_000_000}
 
 
 def number_of(what: str, text: str) -> int:
