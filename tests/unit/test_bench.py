@@ -12,12 +12,12 @@ from matpoint import USL, BSpline, FixedStep, InputError, Simulation
 from matpoint.bench import BenchOptions, run_bench, table
 from matpoint.bench.block import METHODS, block, cells_for, enriched_layer
 from matpoint.bench.measure import Row
-from matpoint.bench.model import TABLES, bytes_per_stage
+from matpoint.bench.model import TABLES, bytes_per_stage, operations_per_stage
 from matpoint.bench.native import Native, NativeError, parse, source_path
 from matpoint.bench.results import ratio
-from matpoint.bench.rivals import measure_rivals
+from matpoint.bench.rivals import _measure, installed, measure_rivals
 from matpoint.bench.scale import draw_scale, run_scale, scale_table
-from matpoint.bench.taichi_step import particles
+from matpoint.bench.taichi_kernels import particles
 from matpoint.bench.triad import triad, triad_gbs
 
 
@@ -68,6 +68,16 @@ def test_model_by_hand():
     # corners of CPDI1 are its own, those of CPDI2 shared: eight vertices to one
     one, two = (bytes_per_stage(name, 3) for name in ("cpdi1", "cpdi2"))
     assert one["particles to nodes"] - two["particles to nodes"] == 7 * (64 + 64 + 8 + 24)
+
+
+def test_operations_by_hand():
+    # 27 nodes in nine lines: 9 x 4 + 27 x 2 records of eight lanes
+    assert operations_per_stage("bspline2", 3)["particles to nodes"] == 8 * 90
+    assert operations_per_stage("linear", 2)["nodes to particles"] == 8 * (4 * 4 + 2 * 4)
+    assert operations_per_stage("cpdi2", 3)["nodes to particles"] == 8 * (4 + 8) + 32 * 8
+    assert operations_per_stage("imls", 3) == {}
+    for name in TABLES:
+        assert set(operations_per_stage(name, 3)) <= set(bytes_per_stage(name, 3))
 
 
 def test_triad_adds_and_measures():
@@ -173,6 +183,13 @@ def test_taichi_begins_with_the_same_block():
     p = sim.particles
     np.testing.assert_allclose(x, p.position, atol=1e-14)
     np.testing.assert_allclose(v, p.velocity, atol=1e-14)
+
+
+@pytest.mark.skipif(not installed(), reason="neither taichi nor quadrants is installed")
+def test_taichi_makes_the_same_steps(native):
+    found = _measure(installed()[0], 3, 5, 1, 1)
+    ours = native.run(3, 7)["sum"]  # two steps to compile, then five
+    assert found["sum"] == pytest.approx({name: ours[name] for name in ("x", "v")}, rel=1e-10)
 
 
 def test_absence_of_taichi_is_reported(monkeypatch):

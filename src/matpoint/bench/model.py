@@ -1,4 +1,4 @@
-"""How many bytes each stage must move for one particle: the bandwidth's side of what a step costs.
+"""How many bytes each stage must move for one particle, and how much it must compute.
 
 Counted is compulsory traffic: every array that a stage reads or writes passes once through memory; records
 of nodes and vertices, which neighbours in memory share, stay in cache while they are needed. The read that a
@@ -90,4 +90,34 @@ def bytes_per_stage(name: str, dim: int) -> dict[str, float]:
     return {
         stage: sum(size[array] for array in (*read, *written))
         for stage, (read, written) in TABLES.get(name, {}).items()
+    }
+
+
+# Nodes along an axis that see a point; the vertex family's are those of a corner.
+_REACH = {"linear": 2, "ugimp": 3, "cpgimp": 3, "bspline2": 3, "bspline3": 4}
+_LANES = 8
+_STRESS_OPERATIONS = 100  # kernels/stress.py: (I + L dt) F 36, det 10, F F^T 18, the rest 16, ln about 20
+
+
+def operations_per_stage(name: str, dim: int) -> dict[str, float]:
+    """Return the multiply-adds in float64 per particle of the transfers and the stress.
+
+    A step over a record of eight lanes counts as eight, idle lanes included: they take the same time. Rows of
+    weights are left out, and so are the corner weights of the vertex family, in "advance".
+    """
+    if name not in TABLES:
+        return {}
+    corners, reach = 2**dim, _REACH.get(name, 2)
+    lines, nodes = reach**2, reach**dim  # a missing third axis has one node
+    if name in _REACH:  # four steps for each line of nodes, two for each node (kernels/box.py)
+        each_way = float(_LANES * (4 * lines + 2 * nodes))
+        return {"particles to nodes": each_way, "nodes to particles": each_way, "stress": _STRESS_OPERATIONS}
+    vertices = corners if name == "cpdi1" else 1
+    grid = _LANES * vertices * (lines + nodes)  # kernels/vertex.py: between a corner and its cell
+    return {
+        "particles to nodes": float(
+            grid + 20 * corners
+        ),  # a corner takes 20 from a particle: R m v, -V sigma G
+        "nodes to particles": float(grid + 4 * _LANES * corners),
+        "stress": _STRESS_OPERATIONS,
     }

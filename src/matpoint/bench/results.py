@@ -7,18 +7,20 @@ from statistics import median
 from typing import Any
 
 from matpoint.bench.measure import Row
-from matpoint.bench.model import bytes_per_stage
+from matpoint.bench.model import bytes_per_stage, operations_per_stage
 from matpoint.bench.native import Native
 
 
 def row_result(row: Row, reference: Row | None, program: Native | None, gbs: float) -> dict[str, Any]:
     """Return a row as JSON holds it, against the reference, the native program and the bandwidth ``gbs``."""
     ns, moved = row.steps_ns, bytes_per_stage(row.name, row.dim)
+    computed = operations_per_stage(row.name, row.dim)
     stages = {}
     for name, time in row.stages_ns().items():
         bandwidth = moved[name] / time if name in moved and time > 0 else None
         stages[name] = {
-            "ns": time, "share": time / median(ns), "bytes": moved.get(name), "gbs": bandwidth,
+            "ns": time, "share": time / median(ns), "bytes": moved.get(name),
+            "operations": computed.get(name), "gbs": bandwidth,
             "of_bandwidth": None if bandwidth is None else bandwidth / gbs,
         }  # fmt: skip
     compared = program is not None and row.name == "bspline2" and row.dim == 3 and row.threads == 1
