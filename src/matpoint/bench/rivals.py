@@ -39,7 +39,8 @@ def _measure(package: str, cells: int, steps: int, rounds: int, threads: int) ->
     ns = [1e9 * s / steps / found["particles"] for s in found["seconds"]]
     return {
         "package": package, "version": found["version"], "threads": threads, "particles": found["particles"],
-        "mps": 1e3 / median(ns), "mps_min": 1e3 / max(ns), "mps_max": 1e3 / min(ns), "ns": median(ns), "sum": found["sum"],
+        "mps": 1e3 / median(ns), "mps_min": 1e3 / max(ns), "mps_max": 1e3 / min(ns), "ns": median(ns),
+        "sum": found["sum"],
     }  # fmt: skip
 
 

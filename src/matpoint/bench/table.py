@@ -95,7 +95,5 @@ def table(result: dict[str, Any]) -> str:
         "cost: against linear in the same dimension on the same threads; speed-up: against one thread"
     )
     rows = aligned(_HEAD, [_row(row) for row in result["rows"]])
-    about = (
-        "stages [ns per particle-step] (share of the bandwidth's limit; above 100 % the arrays stay in cache)"
-    )
+    about = "stages [ns per particle-step] (share of the triad's bandwidth; above 100 % arrays stay in cache)"
     return "\n".join([head, "", rows, "", about, stages(result), "", *_others(result)])
