@@ -279,7 +279,7 @@ def test_a_mass_that_can_t_be_inverted_ends_the_run_with_its_step(monkeypatch):
 def test_too_many_particles_around_a_point_end_the_run_with_its_step():
     rubber = mp.NeoHookean(E=1e5, nu=0.3, density=1e3)
     sim = mp.Simulation(
-        mp.Grid((0.0,), (1.0,), 0.25), [mp.Body(mp.Box((0.0,), (1.0,)), rubber, per_cell=2000)],
+        mp.Grid((0.0,), (1.0,), 0.25), [mp.Body(mp.Box((0.0,), (1.0,)), rubber, per_cell=3000)],
         interpolation=mp.IMLS(), timestep=mp.FixedStep(1e-6), threads=1,
     )  # fmt: skip
     with pytest.raises(mp.RunError, match=r"step 0, .*fewer per cell"):

@@ -255,6 +255,42 @@ def reproduce(
     print(f"figures, table.md, table.json and settings.json in {folder}")
 
 
+@app.command
+def bench(
+    *,
+    json_: Annotated[bool, Parameter(name="--json", negative=(), help="Print one JSON object only.")] = False,
+    quick: Annotated[
+        bool, Parameter(name="--quick", negative=(), help="Under a minute: fewer particles and rounds.")
+    ] = False,
+    particles: Annotated[
+        str | None, Parameter(name="--particles", help="About so many in each row; default 2e5.")
+    ] = None,
+    methods: Annotated[str | None, Parameter(name="--methods", help="Rows, separated by commas.")] = None,
+    dims: Annotated[str | None, Parameter(name="--dims", help="2, 3 or 2,3 (default).")] = None,
+    threads: Annotated[
+        str | None, Parameter(name="--threads", help="Numbers of threads; default one and all: 1,N.")
+    ] = None,
+    scale: Annotated[
+        str | None,
+        Parameter(
+            name="--scale",
+            help="Study time and memory over these numbers of particles, for instance 1e4,1e5,1e6, in 3-D.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, Parameter(name="--out", help="A folder for JSON, table and figure; default none.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Measure particle-steps a second of every interpolation, against C++ loops and memory bandwidth."""
+    from matpoint.cli.benching import bench as measure  # noqa: PLC0415 (slow to import)
+    from matpoint.cli.benching import chosen, numbers_of  # noqa: PLC0415
+
+    options = chosen(particles, methods, dims, threads, quick)
+    result, text = measure(options, numbers_of("--scale", scale), methods is not None, out, force)
+    print(json.dumps(result, allow_nan=False) if json_ else text)
+
+
 @app.command(name="list")
 def list_() -> None:
     """List bundled cases, problems, interpolations, materials, schemes and quantities."""
