@@ -33,7 +33,7 @@ def _sort(
     team: Team, keys: int, find: _Keys, points: np.ndarray, key: np.ndarray, order: np.ndarray
 ) -> np.ndarray:
     """Put points in the stable order of their keys; return where each key's begin, and the end."""
-    pieces = team.pieces(len(order), _MOST_PIECES)
+    pieces = team.pieces(len(order), min(team.threads, _MOST_PIECES))
     counts = np.empty((len(pieces), keys), dtype=np.int64)
     team.map(lambda k, a, b: find(a, b, counts[k]), pieces)
     pointer = np.zeros(keys + 1, dtype=np.int64)

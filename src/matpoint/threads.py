@@ -7,8 +7,9 @@ the even slabs, then the odd ones (see ``kernels.locate``).
 
 from __future__ import annotations
 
+import itertools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from itertools import pairwise
 from typing import Any
@@ -18,6 +19,7 @@ import numpy as np
 from matpoint.errors import InputError
 
 _WORTH_IT = 2048  # below this many items a thread costs more than it brings
+_SPARE = 4  # pieces for each thread
 
 
 def available_threads() -> int:
@@ -25,6 +27,16 @@ def available_threads() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def _bind(turn: Iterator[int]) -> None:
+    """Keep a thread on a processor of its own.
+
+    Threads are woken for a millisecond at a time, many times a step; some schedulers wake them all where the
+    one that woke them runs, and then they share a single processor for good.
+    """
+    allowed = sorted(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, {allowed[next(turn) % len(allowed)]})
 
 
 class Team:
@@ -46,16 +58,20 @@ class Team:
         if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1024:
             raise InputError(f"threads = {threads!r} must be a whole number from 1 to 1024")
         self.threads = count
-        self._pool = ThreadPoolExecutor(count - 1) if count > 1 else None  # the caller is one of them
+        # Only if they are to fill all processors: fewer are left to the system, which knows what else runs.
+        bind = _bind if hasattr(os, "sched_setaffinity") and count == available_threads() else None
+        self._pool = ThreadPoolExecutor(count, "matpoint", bind, (itertools.count(),)) if count > 1 else None
 
     def pieces(self, count: int, most: int | None = None, each: int = 1) -> list[tuple[int, int]]:
-        """Cut range(count) into a piece for each thread, but no more than ``most``; one if it is short.
+        """Cut range(count) into pieces, no more than ``most``; one if it is short.
 
-        ``each`` is how many small things one of the count is.
+        There are more than threads, so that one that is held up does not keep the others waiting. ``each``
+        is how many small things one of the count is.
         """
         if self._pool is None or count * each < _WORTH_IT:
             return [(0, count)]
-        edges = np.linspace(0, count, min(self.threads, most or self.threads) + 1).astype(int)
+        wanted = max(self.threads, min(_SPARE * self.threads, count * each // (2 * _WORTH_IT)))
+        edges = np.linspace(0, count, min(wanted, most or wanted) + 1).astype(int)
         return [(a, b) for a, b in pairwise(edges.tolist()) if a < b]
 
     def map(self, call: Callable[[int, int, int], Any], pieces: list[tuple[int, int]]) -> list[Any]:
@@ -63,19 +79,15 @@ class Team:
         if self._pool is None or len(pieces) == 1:
             return [call(k, a, b) for k, (a, b) in enumerate(pieces)]
         results: list[Any] = [None] * len(pieces)
-        turn = iter(range(len(pieces)))  # whoever is free takes the next one; the caller works too
+        turn = iter(range(len(pieces)))  # whoever is free takes the next one
 
         def work() -> None:
             for k in turn:
                 results[k] = call(k, *pieces[k])
 
-        others = [self._pool.submit(work) for _ in range(min(self.threads, len(pieces)) - 1)]
-        try:
-            work()
-        finally:
-            wait(others)
-        for other in others:
-            other.result()
+        done, _ = wait([self._pool.submit(work) for _ in range(min(self.threads, len(pieces)))])
+        for one in done:
+            one.result()
         return results
 
     def split(self, count: int, call: Callable[[int, int], Any], each: int = 1) -> list[Any]:
@@ -90,8 +102,7 @@ class Team:
                 call(slabs, 0, len(slabs))
                 continue
             load = np.cumsum(pointer[slabs + 1] - pointer[slabs])
-            # Twice as many pieces as threads evens out what the counts do not show.
-            shares = np.linspace(0, load[-1] if len(load) else 0, 2 * self.threads + 1)[1:-1]
+            shares = np.linspace(0, load[-1] if len(load) else 0, _SPARE * self.threads + 1)[1:-1]
             edges = [0, *np.searchsorted(load, shares).tolist(), len(slabs)]
             pieces = [(a, b) for a, b in pairwise(edges) if a < b]
             self.map(lambda _, a, b, slabs=slabs: call(slabs, a, b), pieces)
