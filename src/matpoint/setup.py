@@ -69,30 +69,23 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
         overlap_within(name, domains)
     materials, chosen = distinct_materials(bodies)
     joined = merge(parts, names)
-    owner = joined.body
-    particles = Particles(len(owner), max(len(m.state_variables) for m in materials))
-    particles.body[:] = owner
-    particles.material[:] = np.array(chosen, dtype=np.int32)[owner]
-    particles.position[:] = np.concatenate([d.centroids() for d in parts])
-    particles.volume0[:] = np.concatenate([d.volumes() for d in parts])
-    stiffness = np.zeros(len(owner))
-    for k, body in enumerate(bodies):
-        mine = particles.body == k
-        particles.velocity[mine] = body.initial_velocity(particles.position[mine], grid.dim)
-        particles.mass[mine] = body.material.density * particles.volume0[mine]
+    particles = Particles(len(joined.body), max(len(m.state_variables) for m in materials))
+    particles.body[:] = joined.body
+    stiffness = np.zeros(len(particles))
+    edges = np.cumsum([0, *(d.n for d in parts)])
+    for body, domains, material, a, b in zip(bodies, parts, chosen, edges[:-1], edges[1:], strict=True):
+        measured = domains.volumes_and_centroids()
+        particles.volume0[a:b], particles.position[a:b] = measured[:, 0], measured[:, 1:]
+        particles.material[a:b] = material
+        _begin(particles, slice(a, b), body, grid.dim)
         speed = body.material.wave_speed(np.eye(3)[None])[0]
-        stiffness[mine] = body.material.density * speed**2
-        initial = list(body.material.state_variables.values())
-        particles.state[np.flatnonzero(mine)[:, None], np.arange(len(initial))] = initial
-    particles.velocity[:, grid.dim :] = 0.0
+        stiffness[a:b] = body.material.density * speed**2
     particles.position0[:] = particles.position
     particles.volume[:] = particles.volume0
     setting = Setting(
         grid=grid,
         particles=particles,
         team=team,
-        domains_half=np.concatenate([d.half_lengths() for d in parts]),
-        domains_edges=np.concatenate([d.edge_vectors() for d in parts]),
         vertices=joined.vertices,
         connectivity=joined.cells,
         kind=joined.kind,
@@ -102,19 +95,25 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
     return _sorted(setting), materials
 
 
+def _begin(particles: Particles, rows: slice, body: Body, dim: int) -> None:
+    """Give the particles of a body their velocity, mass and state."""
+    particles.velocity[rows, :dim] = body.initial_velocity(particles.position[rows], dim)[:, :dim]
+    particles.mass[rows] = body.material.density * particles.volume0[rows]
+    initial = list(body.material.state_variables.values())
+    particles.state[rows, : len(initial)] = initial
+
+
 def _sorted(setting: Setting) -> Setting:
     """Put particles and vertices in order of cell, so that neighbours in space are so in memory."""
     order = cell_order(setting.grid, setting.particles.position)
     setting.particles.permute(order)
-    setting.domains_half = np.ascontiguousarray(setting.domains_half[order])
-    setting.domains_edges = np.ascontiguousarray(setting.domains_edges[order])
     setting.kind = setting.kind[order]
     by_cell = cell_order(setting.grid, setting.vertices)
-    rank = np.empty(len(by_cell) + 1, dtype=np.int64)
-    rank[by_cell] = np.arange(len(by_cell))
+    rank = np.empty(len(by_cell) + 1, dtype=np.int32)
+    rank[by_cell] = np.arange(len(by_cell), dtype=np.int32)
     rank[-1] = -1  # the padding of short cells, index -1
     setting.vertices = np.ascontiguousarray(setting.vertices[by_cell])
     setting.stiffness = setting.stiffness[order]
-    setting.facets = tuple(replace(f, corners=rank[f.corners]) for f in setting.facets)
+    setting.facets = tuple(replace(f, corners=rank[f.corners].astype(np.int64)) for f in setting.facets)
     setting.connectivity = rank[setting.connectivity[order]]
     return setting
