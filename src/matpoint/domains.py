@@ -9,7 +9,7 @@ import numpy as np
 
 from matpoint import measures
 from matpoint.errors import InputError
-from matpoint.measures import Kind as Kind
+from matpoint.measures import Kind
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from matpoint.kernels.order import reorder
+
+#: Some particles: a slice, or their internal indices.
+Rows = slice | np.ndarray
+
 _REQUIRED: dict[str, tuple[int, ...]] = {
     "position": (3,),
     "position0": (3,),
@@ -77,7 +82,7 @@ class Particles:
 
     def add(self, name: str, values: np.ndarray) -> None:
         """Carry one more array over the particles, sorted with the others."""
-        setattr(self, name, values)
+        setattr(self, name, np.ascontiguousarray(values))
         if name not in self._names:
             self._names.append(name)
 
@@ -89,6 +94,13 @@ class Particles:
         return result
 
     def permute(self, order: np.ndarray) -> None:
-        """Put all arrays in a new order: entry k becomes what entry order[k] was."""
+        """Put all arrays in a new order, in place: entry k becomes what entry order[k] was."""
+        done = np.zeros(len(self), dtype=bool)
         for name in self._names:
-            setattr(self, name, np.ascontiguousarray(getattr(self, name)[order]))
+            values = getattr(self, name)
+            rows = values.reshape(len(self), -1)
+            if rows.nbytes > 8 * len(self):  # without a second array
+                rows = rows.view(np.uint8)
+                reorder(order, rows, done, np.empty(rows.shape[1], dtype=np.uint8))
+            else:
+                values[:] = values[order]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,15 +16,21 @@ from matpoint.grid import Grid
 from matpoint.interpolation.contract import Setting
 from matpoint.materials import Material
 from matpoint.particles import Particles
-from matpoint.threads import Team
+from matpoint.threads import BLOCK, Team
 
 
-def cell_order(grid: Grid, position: np.ndarray) -> np.ndarray:
-    """Return the stable order of points (n, 3) [m] by cell, the last axis fastest."""
-    key = np.zeros(len(position), dtype=np.int64)
-    for k in range(grid.dim):
-        cell = np.floor((position[:, k] - grid.lower[k]) / grid.cell[k]).astype(np.int64)
-        key = key * (grid.cells[k] + 2) + np.clip(cell, -1, grid.cells[k]) + 1
+def cell_order(grid: Grid, position: np.ndarray) -> np.ndarray | None:
+    """Return the stable order of points (n, 3) [m] by cell, the last axis fastest; None if they are in it."""
+    sizes = [n + 2 for n in grid.cells]  # a cell more on each side, for points that lie outside
+    key = np.zeros(len(position), dtype=np.int32 if math.prod(sizes) < 2**31 else np.int64)
+    for start in range(0, len(key), BLOCK):
+        some = slice(start, start + BLOCK)
+        for k in range(grid.dim):
+            cell = np.floor((position[some, k] - grid.lower[k]) / grid.cell[k])
+            key[some] *= sizes[k]
+            key[some] += np.clip(cell, -1, grid.cells[k]).astype(key.dtype) + 1
+    if (key[1:] >= key[:-1]).all():
+        return None
     return np.argsort(key, kind="stable")
 
 
@@ -106,14 +113,21 @@ def _begin(particles: Particles, rows: slice, body: Body, dim: int) -> None:
 def _sorted(setting: Setting) -> Setting:
     """Put particles and vertices in order of cell, so that neighbours in space are so in memory."""
     order = cell_order(setting.grid, setting.particles.position)
-    setting.particles.permute(order)
-    setting.kind = setting.kind[order]
-    by_cell = cell_order(setting.grid, setting.vertices)
-    rank = np.empty(len(by_cell) + 1, dtype=np.int32)
-    rank[by_cell] = np.arange(len(by_cell), dtype=np.int32)
-    rank[-1] = -1  # the padding of short cells, index -1
-    setting.vertices = np.ascontiguousarray(setting.vertices[by_cell])
-    setting.stiffness = setting.stiffness[order]
-    setting.facets = tuple(replace(f, corners=rank[f.corners].astype(np.int64)) for f in setting.facets)
-    setting.connectivity = rank[setting.connectivity[order]]
+    if order is not None:
+        setting.particles.permute(order)
+        setting.kind = setting.kind[order]
+        setting.stiffness = setting.stiffness[order]
+        setting.connectivity = setting.connectivity[order]
+    order = cell_order(setting.grid, setting.vertices)
+    if order is None:
+        setting.vertices = setting.vertices.copy()  # they may be the body's own
+    else:
+        rank = np.empty(len(order) + 1, dtype=np.int32)
+        rank[order] = np.arange(len(order), dtype=np.int32)
+        rank[-1] = -1  # the padding of short cells, index -1
+        setting.vertices = setting.vertices[order]
+        setting.facets = tuple(replace(f, corners=rank[f.corners].astype(np.int64)) for f in setting.facets)
+        for start in range(0, len(setting.connectivity), BLOCK):
+            some = setting.connectivity[start : start + BLOCK]
+            some[:] = rank[some]
     return setting

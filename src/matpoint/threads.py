@@ -18,6 +18,7 @@ import numpy as np
 from matpoint.errors import InputError
 
 _WORTH_IT = 2048  # below this many items a thread costs more than it brings
+BLOCK = 8192  # particles whose sum is made by one thread, in order; sums of blocks are added in order
 
 
 def available_threads() -> int:
@@ -54,6 +55,24 @@ class Team:
             return [call(0, count)]
         edges = np.linspace(0, count, self.threads + 1).astype(int)
         return self._map(call, list(pairwise(edges.tolist())))
+
+    def sums(self, count: int, width: int, call: Callable[[int, int, int, np.ndarray], Any]) -> np.ndarray:
+        """Return sums over range(count), shape (width,): to the last bit the same for any threads.
+
+        ``call(start, stop, block, sums)`` puts the sums of each block of ``block`` items into its own row
+        of ``sums``.
+        """
+        sums = np.zeros((-(-count // BLOCK), width))
+        self.blocks(count, lambda a, b: call(a, b, BLOCK, sums))
+        return sums.sum(axis=0)
+
+    def blocks(self, count: int, call: Callable[[int, int], Any]) -> list[Any]:
+        """As :meth:`split`, with pieces that begin at multiples of ``BLOCK``."""
+        edges = np.linspace(0, -(-count // BLOCK), self.threads + 1).astype(int) * BLOCK
+        pieces = [(a, min(b, count)) for a, b in pairwise(edges.tolist()) if a < b]
+        if self._pool is None or len(pieces) < 2:
+            return [call(0, count)]
+        return self._map(call, pieces)
 
     def coloured(self, pointer: np.ndarray, call: Callable[[np.ndarray, int, int], Any]) -> None:
         """Call ``call(slabs, start, stop)`` over the even slabs, then over the odd ones."""
