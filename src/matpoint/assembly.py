@@ -28,7 +28,7 @@ class Joined:
     vertices : ndarray, shape (nv, 3) [m]
     cells : ndarray of int32, shape (n, K), padded with -1
     kind : ndarray of int8, shape (n,)
-    body : ndarray of int32, shape (n,)
+    body : ndarray of int16, shape (n,)
     facets
         The boundary sets of all bodies.
     """
@@ -52,7 +52,7 @@ def merge(parts: Sequence[Domains], names: Sequence[str]) -> Joined:
         vertices = vertices[kept]
     width, total = max(d.kind.corners for d in parts), sum(d.n for d in parts)
     cells = np.full((total, width), -1, dtype=np.int32)
-    kind, body, row = np.empty(total, dtype=np.int8), np.empty(total, dtype=np.int32), 0
+    kind, body, row = np.empty(total, dtype=np.int8), np.empty(total, dtype=np.int16), 0
     for number, domains in enumerate(parts):
         rows = slice(row, row + domains.n)
         own = domains.cells if lookup is None else lookup[offsets[number] :][domains.cells]

@@ -119,10 +119,6 @@ class Domains:
         """Return the centroids (1/V) int x dV [m], shape (n, 3)."""
         return self._measured(measures.centroids, (3,))
 
-    def volumes_and_centroids(self) -> np.ndarray:
-        """Return volume [m^3] and centroid (3) [m] of each, shape (n, 4)."""
-        return self._measured(measures.volumes_and_centroids, (4,))
-
     def edge_vectors(self) -> np.ndarray:
         """Return half edge vectors [m] of the parallelepipeds that stand for them, as rows, (n, 3, 3)."""
         return self._measured(measures.edge_vectors, (3, 3))

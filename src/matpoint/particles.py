@@ -8,6 +8,8 @@ from matpoint.kernels.order import reorder
 
 #: Some particles: a slice, or their internal indices.
 Rows = slice | np.ndarray
+#: The largest number of bodies that a particle can tell apart.
+MOST = 32767
 
 _REQUIRED: dict[str, tuple[int, ...]] = {
     "position": (3,),
@@ -30,8 +32,8 @@ class Particles:
 
     Attributes
     ----------
-    id : ndarray of int64, shape (n,)
-    material, body : ndarray of int32, shape (n,)
+    id : ndarray of int32, shape (n,)
+    material, body : ndarray of int16, shape (n,)
         Index of the material and of the body.
     position, position0, velocity : ndarray, shape (n, 3)
         Current and initial position [m], velocity [m/s].
@@ -64,9 +66,9 @@ class Particles:
 
     def __init__(self, count: int, state_variables: int = 0) -> None:
         self._names: list[str] = ["id", "material", "body", "state", *_REQUIRED]
-        self.id = np.arange(count)
-        self.material = np.zeros(count, dtype=np.int32)
-        self.body = np.zeros(count, dtype=np.int32)
+        self.id = np.arange(count, dtype=np.int32)
+        self.material = np.zeros(count, dtype=np.int16)
+        self.body = np.zeros(count, dtype=np.int16)
         self.state = np.zeros((count, state_variables))
         for name, shape in _REQUIRED.items():
             setattr(self, name, np.zeros((count, *shape)))

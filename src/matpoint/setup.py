@@ -8,21 +8,24 @@ from dataclasses import replace
 
 import numpy as np
 
+from matpoint import measures
 from matpoint.assembly import merge, overlap, overlap_within
 from matpoint.body import Body
 from matpoint.domains import Domains
 from matpoint.errors import InputError
 from matpoint.grid import Grid
 from matpoint.interpolation.contract import Setting
+from matpoint.kernels.order import counted_order
 from matpoint.materials import Material
-from matpoint.particles import Particles
+from matpoint.particles import MOST, Particles
 from matpoint.threads import BLOCK, Team
 
 
 def cell_order(grid: Grid, position: np.ndarray) -> np.ndarray | None:
     """Return the stable order of points (n, 3) [m] by cell, the last axis fastest; None if they are in it."""
     sizes = [n + 2 for n in grid.cells]  # a cell more on each side, for points that lie outside
-    key = np.zeros(len(position), dtype=np.int32 if math.prod(sizes) < 2**31 else np.int64)
+    count = math.prod(sizes)
+    key = np.zeros(len(position), dtype=np.int32 if count < 2**31 else np.int64)
     for start in range(0, len(key), BLOCK):
         some = slice(start, start + BLOCK)
         for k in range(grid.dim):
@@ -31,7 +34,11 @@ def cell_order(grid: Grid, position: np.ndarray) -> np.ndarray | None:
             key[some] += np.clip(cell, -1, grid.cells[k]).astype(key.dtype) + 1
     if (key[1:] >= key[:-1]).all():
         return None
-    return np.argsort(key, kind="stable")
+    if count > 2 * len(key):  # more cells than counting pays for
+        return np.argsort(key, kind="stable")
+    order = np.empty(len(key), dtype=np.int64)
+    counted_order(key, np.zeros(count + 1, dtype=np.int32), order)
+    return order
 
 
 def distinct_materials(bodies: Sequence[Body]) -> tuple[list[Material], list[int]]:
@@ -66,6 +73,8 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
     """
     if not bodies:
         raise InputError("simulation: no bodies, so no particles; give at least one")
+    if len(bodies) > MOST:
+        raise InputError(f"simulation: {len(bodies)} bodies; at most {MOST} are possible")
     parts = [body.domains(grid) for body in bodies]
     for body, domains in zip(bodies, parts, strict=True):
         if body.start is None:  # else where it begins is what counts
@@ -76,13 +85,16 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
         overlap_within(name, domains)
     materials, chosen = distinct_materials(bodies)
     joined = merge(parts, names)
+    del parts, domains  # filled regions are held by nothing else
+    measured = measures.measured(
+        measures.volumes_and_centroids, joined.vertices, joined.cells, joined.kind, (4,)
+    )
     particles = Particles(len(joined.body), max(len(m.state_variables) for m in materials))
     particles.body[:] = joined.body
+    particles.volume0[:], particles.position[:] = measured[:, 0], measured[:, 1:]
     stiffness = np.zeros(len(particles))
-    edges = np.cumsum([0, *(d.n for d in parts)])
-    for body, domains, material, a, b in zip(bodies, parts, chosen, edges[:-1], edges[1:], strict=True):
-        measured = domains.volumes_and_centroids()
-        particles.volume0[a:b], particles.position[a:b] = measured[:, 0], measured[:, 1:]
+    edges = np.searchsorted(joined.body, np.arange(len(bodies) + 1))
+    for body, material, a, b in zip(bodies, chosen, edges[:-1], edges[1:], strict=True):
         particles.material[a:b] = material
         _begin(particles, slice(a, b), body, grid.dim)
         speed = body.material.wave_speed(np.eye(3)[None])[0]

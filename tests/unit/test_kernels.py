@@ -8,7 +8,7 @@ import pytest
 from matpoint.grid import Grid
 from matpoint.kernels import box, corners, ledger, locate, nodes, vector, vertex
 from matpoint.kernels.fields import per_particle
-from matpoint.kernels.order import reorder
+from matpoint.kernels.order import counted_order, reorder
 from matpoint.kernels.stretch import stretch_boxes
 from matpoint.nodes import Nodes, gimp_axis, hat_axis, spline_axis
 from reference import weights as reference
@@ -380,3 +380,10 @@ def test_rows_take_a_new_order_in_place():
         reorder(order, rows, done, np.zeros(24, dtype=np.uint8))
         np.testing.assert_array_equal(rows, wanted)
         assert not done.any()
+
+
+def test_counting_gives_the_stable_order():
+    rng = np.random.default_rng(13)
+    key, order = rng.integers(0, 9, 200).astype(np.int32), np.empty(200, dtype=np.int64)
+    counted_order(key, np.zeros(10, dtype=np.int32), order)
+    np.testing.assert_array_equal(order, np.argsort(key, kind="stable"))

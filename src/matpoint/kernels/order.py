@@ -1,4 +1,4 @@
-"""Putting rows in a new order without a second array."""
+"""Finding an order, and putting rows in it without a second array."""
 
 from __future__ import annotations
 
@@ -26,3 +26,15 @@ def reorder(order, rows, done, held):
             k = source
         for b in range(held.shape[0]):
             rows[k, b] = held[b]
+
+
+@kernel
+def counted_order(key, counts, order):
+    """Write the stable order of keys from 0 to len(counts) - 2; counts, of zeros, is used up."""
+    for k in key:
+        counts[k + 1] += 1
+    for c in range(1, counts.shape[0]):
+        counts[c] += counts[c - 1]
+    for p in range(key.shape[0]):
+        order[counts[key[p]]] = p
+        counts[key[p]] += 1
