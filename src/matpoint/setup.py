@@ -63,6 +63,16 @@ def _check_inside(grid: Grid, body: Body, domains: Domains) -> None:
             )
 
 
+def _check_places(grid: Grid, bodies: Sequence[Body], parts: Sequence[Domains], names: Sequence[str]) -> None:
+    """Refuse bodies that reach out of the grid, and domains in one place."""
+    for body, domains in zip(bodies, parts, strict=True):
+        if body.start is None:  # else where it begins is what counts
+            _check_inside(grid, body, domains)
+    overlap(list(zip(names, parts, strict=True)))
+    for name, domains in zip(names, parts, strict=True):
+        overlap_within(name, domains)
+
+
 def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Setting, list[Material]]:
     """Return particles in order of cell, their domains, and the list of materials.
 
@@ -76,16 +86,11 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
     if len(bodies) > MOST:
         raise InputError(f"simulation: {len(bodies)} bodies; at most {MOST} are possible")
     parts = [body.domains(grid) for body in bodies]
-    for body, domains in zip(bodies, parts, strict=True):
-        if body.start is None:  # else where it begins is what counts
-            _check_inside(grid, body, domains)
     names = [body.name or f"number {k}" for k, body in enumerate(bodies)]
-    overlap(list(zip(names, parts, strict=True)))
-    for name, domains in zip(names, parts, strict=True):
-        overlap_within(name, domains)
+    _check_places(grid, bodies, parts, names)
     materials, chosen = distinct_materials(bodies)
     joined = merge(parts, names)
-    del parts, domains  # filled regions are held by nothing else
+    del parts  # filled regions are held by nothing else
     measured = measures.measured(
         measures.volumes_and_centroids, joined.vertices, joined.cells, joined.kind, (4,)
     )

@@ -282,11 +282,29 @@ def explain(
 
 
 @app.command
-def info() -> None:
-    """Print versions, threads, vector width and the cache folder."""
-    from matpoint.cli.report import information  # noqa: PLC0415 (slow to import)
+def info(
+    case: str | None = None,
+    /,
+    *,
+    set_: Settings = [],  # noqa: B006 (never changed)
+    plugin: Plugin = [],  # noqa: B006 (never changed)
+) -> None:
+    """Print versions, threads, vector width and the cache folder; of a case, the memory that it needs.
 
-    print(information())
+    Parameters
+    ----------
+    case
+        A TOML file, or the name of a bundled case.
+    """
+    from matpoint.cli.report import information, requirement  # noqa: PLC0415 (slow to import)
+
+    if case is None:
+        print(information())
+        return
+    from matpoint.case import build_forecast  # noqa: PLC0415 (slow to import)
+
+    read = _load(case, set_, plugin)
+    print(requirement(read.name, build_forecast(read)))
 
 
 @app.command
