@@ -96,7 +96,10 @@ def forecast(
 
 
 def _per_cell(body: Body, dim: int) -> tuple[int, ...]:
-    return tuple(body.per_cell) if isinstance(body.per_cell, tuple | list) else (body.per_cell,) * dim
+    count = tuple(body.per_cell) if isinstance(body.per_cell, tuple | list) else (body.per_cell,) * dim
+    if len(count) != dim:
+        raise InputError(f"{body.label}: per_cell has {len(count)} numbers, the grid {dim} axes")
+    return count
 
 
 def _probe(
@@ -109,7 +112,8 @@ def _probe(
     """A small block of all materials, side by side, by the same method."""
     if isinstance(interpolation, EnrichedCPDI2) and interpolation.where != "all":
         interpolation = CPDI2(interpolation.on_inversion)  # few vertices are enriched
-    m = len(materials)
+    m, most = len(materials), int((_PROBE / 2**dim) ** (1.0 / dim))
+    per_cell = tuple(min(count, most) for count in per_cell)
     cells = max(2, round((_PROBE / m / math.prod(per_cell)) ** (1.0 / dim)))
     grid = Grid((-2.0,) * dim, (cells * m + 2.0, *(cells + 2.0,) * (dim - 1)), 1.0)
     bodies = [
@@ -132,15 +136,12 @@ def _sizes(body: Body, grid: Grid) -> tuple[float, float, float]:
         return float(shape.n), 0.0, float(len(shape.vertices))
     low, high = (np.asarray(b, dtype=float)[: grid.dim] for b in shape.bounds())
     if not (np.isfinite(low).all() and np.isfinite(high).all()):
-        return 0.0, 0.0, 0.0  # filling it refuses it
+        raise InputError(f"{body.label}: its region is not bounded, so it can't be filled")
     spacing = np.array(grid.cell) / np.array(_per_cell(body, grid.dim))
     counts = np.maximum((high - low) / spacing, 1.0)
     boxes = float(np.prod(counts))
-    share = min(1.0, (_SAMPLE / boxes) ** (1.0 / grid.dim))
-    axes = [
-        a + (np.arange(m) + 0.5) * (b - a) / m
-        for a, b, m in zip(low, high, np.ceil(share * counts).astype(int), strict=True)
-    ]
+    samples = np.minimum(np.ceil(counts), round(_SAMPLE ** (1.0 / grid.dim))).astype(int)
+    axes = [a + (np.arange(m) + 0.5) * (b - a) / m for a, b, m in zip(low, high, samples, strict=True)]
     points = np.zeros((math.prod(map(len, axes)), 3))
     for k, values in enumerate(np.meshgrid(*axes, indexing="ij")):
         points[:, k] = values.ravel()
