@@ -9,15 +9,20 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
+import time
 from collections.abc import Callable
-from functools import lru_cache, partial
+from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import numba
 import platformdirs
 from numba import extending
-from numba.core import config
+from numba.core import config, event
+from numba.core.caching import IndexDataCacheFile
 from numba.cpython.unsafe import tuple as _tuples
 
 # Every fast-math freedom but "nnan" and "ninf": a NaN must stay a NaN, so that it is found.
@@ -41,13 +46,81 @@ def cache_folder() -> Path:
     return Path(parent) / source_hash()
 
 
-if "NUMBA_CACHE_DIR" not in os.environ:
+_OURS = "NUMBA_CACHE_DIR" not in os.environ  # else the user keeps compiled code in a place of their own
+if _OURS:
     config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
+    with suppress(OSError):  # it may not exist yet; its time says when it was used last
+        os.utime(cache_folder())
 
-#: Decorator of a kernel: a loop over plain arrays, compiled once, cached, run without the GIL.
-kernel: Callable[..., Any] = partial(
-    numba.njit, cache=True, nogil=True, fastmath=FAST_MATH, error_model="numpy"
-)
+
+class _CacheFile(IndexDataCacheFile):
+    """Numba's file of compiled code, safe when several processes fill it at once.
+
+    Numba numbers the code of one kernel's signatures 1, 2, ...; two processes that add different
+    signatures at once would take the same number, and one would load the other's code. Names that no
+    other process can choose leave nothing worse than a file too many.
+    """
+
+    def _data_name(self, number: int) -> str:
+        return super()._data_name(uuid4().int)
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Make a kernel: a loop over plain arrays, compiled once, cached, run without the GIL."""
+    compiled: Any = numba.njit(
+        cache=True, nogil=True, fastmath=FAST_MATH, error_model="numpy"
+    )(function)  # fmt: skip
+    file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    if isinstance(file, IndexDataCacheFile):
+        file.__class__ = _CacheFile
+    return compiled
+
+
+class _FirstCompilation(event.Listener):
+    """Calls a function when Numba begins to compile something that no cache holds, once."""
+
+    def __init__(self, call: Callable[[], None]) -> None:
+        self._call: Callable[[], None] | None = call
+
+    def on_start(self, event: Any) -> None:
+        call, self._call = self._call, None
+        if call is not None:
+            call()
+
+    def on_end(self, event: Any) -> None:
+        """Nothing is said at the end."""
+
+
+def on_first_compilation(call: Callable[[], None]) -> None:
+    """Let a function be called when a kernel must be compiled; not if all come from the cache."""
+    event.register("numba:compile", _FirstCompilation(call))
+
+
+def prune_caches(days: float = 30.0) -> None:
+    """Remove the caches of other versions of the sources that have not been used for some days.
+
+    Only folders named as ours, in which there is nothing but what Numba puts there.
+    """
+    if not _OURS:
+        return
+    present, oldest = cache_folder(), time.time() - 86400.0 * days
+    with suppress(OSError):
+        for folder in present.parent.iterdir():
+            ours = re.fullmatch("[0-9a-f]{16}", folder.name) and folder != present
+            if ours and not folder.is_symlink() and folder.stat().st_mtime < oldest:
+                _remove_cache(folder)
+
+
+def _remove_cache(folder: Path) -> None:
+    files = [path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir()]
+    if not all(re.search(r"\.nb[ic](\.tmp\.\w+)?$", path.name) for path in files):
+        return
+    for path in files:
+        path.unlink(missing_ok=True)
+    for path in sorted(folder.rglob("*"), reverse=True):
+        path.rmdir()
+    folder.rmdir()
+
 
 #: Decorator of a small function used inside kernels; it stays callable from plain Python.
 device: Callable[..., Any] = extending.register_jitable(fastmath=FAST_MATH, error_model="numpy")

@@ -55,10 +55,22 @@ Force = Annotated[
 ]
 
 
+def _announce_compiling() -> None:
+    """Say so, once, if kernels must be compiled; old caches go when a new one begins."""
+    from matpoint.jit import on_first_compilation, prune_caches  # noqa: PLC0415 (slow to import)
+
+    def begin() -> None:
+        print("compiling kernels (a first run takes some 10 to 60 s) ...", file=sys.stderr, flush=True)
+        prune_caches()
+
+    on_first_compilation(begin)
+
+
 def _load(case: str, settings: list[str], plugins: list[Path]) -> Any:
     from matpoint.case import load  # noqa: PLC0415 (slow to import)
     from matpoint.cli.plugins import load_plugin  # noqa: PLC0415
 
+    _announce_compiling()
     for plugin in plugins:
         load_plugin(plugin)
     return load(case, settings)
@@ -244,6 +256,7 @@ def reproduce(
 
     if paper not in PAPERS:
         raise InputError(f"reproduce: {paper!r}{did_you_mean(paper, PAPERS)}; there is {', '.join(PAPERS)}")
+    _announce_compiling()
     folder = Path("results") / f"reproduce-{paper}" if out is None else out
     prepare_folder(folder, force, ["*.png", "*.csv", "table.*", "settings.json"])
     PAPERS[paper](folder, lambda text: print(text, file=sys.stderr, flush=True), quick)
