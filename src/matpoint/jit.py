@@ -122,8 +122,12 @@ def _remove_cache(folder: Path) -> None:
     folder.rmdir()
 
 
-#: Decorator of a small function used inside kernels; it stays callable from plain Python.
-device: Callable[..., Any] = extending.register_jitable(fastmath=FAST_MATH, error_model="numpy")
+#: Decorator of a small function used inside kernels; it stays callable from plain Python. Always inlined:
+#: a copy of its own could be taken from another kernel, where it was optimised otherwise, so that the
+#: process that compiles would differ in the last bit from those that load from the cache.
+device: Callable[..., Any] = extending.register_jitable(
+    fastmath=FAST_MATH, error_model="numpy", forceinline=True
+)
 
 #: ``set_item(t, i, v)`` is the tuple ``t`` with entry i replaced; in compiled code only.
 set_item: Callable[..., Any] = _tuples.tuple_setitem

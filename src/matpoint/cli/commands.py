@@ -66,11 +66,12 @@ def _announce_compiling() -> None:
     on_first_compilation(begin)
 
 
-def _load(case: str, settings: list[str], plugins: list[Path]) -> Any:
+def _load(case: str, settings: list[str], plugins: list[Path], quiet: bool = False) -> Any:
     from matpoint.case import load  # noqa: PLC0415 (slow to import)
     from matpoint.cli.plugins import load_plugin  # noqa: PLC0415
 
-    _announce_compiling()
+    if not quiet:
+        _announce_compiling()
     for plugin in plugins:
         load_plugin(plugin)
     return load(case, settings)
@@ -116,7 +117,7 @@ def run(
     from matpoint.case import build_simulation, build_writers, planned  # noqa: PLC0415 (slow to import)
     from matpoint.output import Progress, prepare_folder, resume  # noqa: PLC0415
 
-    read = _load(case, set_, plugin)
+    read = _load(case, set_, plugin, quiet)
     folder = Path("results") / read.name if out is None else out
     _keep([case, *plugin, *([] if restart is None else [restart])], folder)
     simulation = build_simulation(read, threads)
