@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -28,7 +28,7 @@ class Joined:
     vertices : ndarray, shape (nv, 3) [m]
     cells : ndarray of int32, shape (n, K), padded with -1
     kind : ndarray of int8, shape (n,)
-    body : ndarray of int32, shape (n,)
+    body : ndarray of int16, shape (n,)
     facets
         The boundary sets of all bodies.
     """
@@ -43,28 +43,29 @@ class Joined:
 def merge(parts: Sequence[Domains], names: Sequence[str]) -> Joined:
     """Return one mesh of all bodies; vertices of different bodies in one place become one."""
     offsets = np.cumsum([0, *(len(d.vertices) for d in parts)])
-    vertices = np.concatenate([d.vertices for d in parts])
-    width = max(d.kind.corners for d in parts)
-    cells = np.full((sum(d.n for d in parts), width), -1, dtype=np.int64)
-    kind, body, row = [], [], 0
-    for number, domains in enumerate(parts):
-        cells[row : row + domains.n, : domains.kind.corners] = domains.cells + offsets[number]
-        kind.append(np.full(domains.n, int(domains.kind), dtype=np.int8))
-        body.append(np.full(domains.n, number, dtype=np.int32))
-        row += domains.n
-    lookup = np.append(np.arange(len(vertices)), -1)
+    vertices = np.concatenate([d.vertices for d in parts]) if len(parts) > 1 else parts[0].vertices
+    lookup = None
     if len(parts) > 1:
         first = _first_of_each(vertices, parts, offsets)
         kept, compact = np.unique(first, return_inverse=True)
-        lookup = np.append(compact, -1)
-        vertices, cells = vertices[kept], lookup[cells]
-    facets = _facets(
-        parts,
-        names,
-        [lookup[offset + np.arange(len(d.vertices))] for offset, d in zip(offsets, parts, strict=False)],
-        len(vertices),
-    )
-    return Joined(vertices, cells.astype(np.int32), np.concatenate(kind), np.concatenate(body), facets)
+        lookup = compact.astype(np.int32)
+        vertices = vertices[kept]
+    width, total = max(d.kind.corners for d in parts), sum(d.n for d in parts)
+    cells = np.full((total, width), -1, dtype=np.int32)
+    kind, body, row = np.empty(total, dtype=np.int8), np.empty(total, dtype=np.int16), 0
+    for number, domains in enumerate(parts):
+        rows = slice(row, row + domains.n)
+        own = domains.cells if lookup is None else lookup[offsets[number] :][domains.cells]
+        cells[rows, : domains.kind.corners] = own
+        kind[rows], body[rows] = int(domains.kind), number
+        row += domains.n
+    facets: tuple[Facets, ...] = ()
+    if any(d.sets for d in parts):
+        joined = [
+            np.arange(a, b) if lookup is None else lookup[a:b].astype(np.int64) for a, b in pairwise(offsets)
+        ]
+        facets = _facets(parts, names, joined, len(vertices))
+    return Joined(vertices, cells, kind, body, facets)
 
 
 def _facets(

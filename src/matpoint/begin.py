@@ -41,7 +41,7 @@ def begin(setting: Setting, mapping: Mapping, bodies: Sequence[Body]) -> bool:
     position, corners = p.position0.copy(), setting.vertices.copy()
     placed = np.zeros(len(corners), dtype=bool)
     for number, body in enumerate(bodies):
-        mine = np.flatnonzero(p.body == number)
+        mine = np.flatnonzero(p.body == number).astype(np.int32)
         cells = setting.connectivity[mine]
         used = np.unique(cells[cells >= 0])
         target = setting.vertices[used]

@@ -4,39 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import IntEnum
 
 import numpy as np
 
+from matpoint import measures
 from matpoint.errors import InputError
-
-
-class Kind(IntEnum):
-    """The shape of a domain; corners are in VTK's order."""
-
-    LINE = 0
-    QUAD = 1
-    HEX = 2
-    TRI = 3
-    TET = 4
-
-    @property
-    def dim(self) -> int:
-        """The dimension of the shape."""
-        return (1, 2, 3, 2, 3)[self]
-
-    @property
-    def corners(self) -> int:
-        """The number of corners."""
-        return (2, 4, 8, 3, 4)[self]
-
-
-_SIGNS = np.array(
-    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
-    dtype=float,
-)
-# Reference derivatives of the multilinear shapes need the signs of the active axes only.
-_TENSOR = {Kind.LINE: 1, Kind.QUAD: 2, Kind.HEX: 3}
+from matpoint.measures import Kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,14 +93,7 @@ class Domains:
             raise InputError(
                 f"mesh: cell {bad[0]} names vertices {cells[bad[0]].tolist()}; there are 0 to {len(x) - 1}"
             )
-        ordered = np.sort(cells, axis=1)
-        bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
-        if len(bad):
-            raise InputError(f"mesh: cell {bad[0]} names a vertex twice: {cells[bad[0]].tolist()}")
-        _, first, count = np.unique(ordered, axis=0, return_index=True, return_counts=True)
-        if (count > 1).any():
-            twin = ordered[first[count > 1].min()].tolist()
-            raise InputError(f"mesh: two cells have the same corners, {twin}; keep one")
+        _check_corners(cells)
         used = np.zeros(len(x), dtype=bool)
         used[cells] = True
         if not used.all():
@@ -141,78 +107,49 @@ class Domains:
                 f" (smallest corner Jacobian {smallest[bad[0]]:.3g}); number its corners counter-clockwise"
             )
 
-    def _jacobians(self, local: np.ndarray) -> np.ndarray:
-        """dx/dxi of the multilinear map at local points (g, d): shape (n, g, d, d)."""
-        d = _TENSOR[self.kind]
-        x = self.vertices[self.cells][:, :, :d]
-        signs = _SIGNS[: 2**d, :d]
-        factor = 0.5 * (1.0 + signs[None] * local[:, None])  # (g, corner, d)
-        slope = np.stack(
-            [0.5 * signs[:, k] * np.delete(factor, k, axis=2).prod(axis=2) for k in range(d)], axis=2
-        )
-        return np.einsum("ncx,gck->ngxk", x, slope)
-
-    def _simplex_edges(self) -> np.ndarray:
-        x = self.vertices[self.cells][:, :, : self.dim]
-        return np.swapaxes(x[:, 1:] - x[:, :1], 1, 2)
-
     def corner_jacobians(self) -> np.ndarray:
         """Return the Jacobian at each corner times the reference volume [m^d], shape (n, corners)."""
-        if self.kind in _TENSOR:
-            d = self.dim
-            return 2.0**d * np.linalg.det(self._jacobians(_SIGNS[: 2**d, :d]))
-        volume = self.volumes()
-        return np.repeat(volume[:, None], self.kind.corners, axis=1)
-
-    def _gauss(self) -> tuple[np.ndarray, np.ndarray]:
-        """Local points and det J there: two Gauss points an axis are exact for V and centroids."""
-        local = _SIGNS[: 2**self.dim, : self.dim] / np.sqrt(3.0)
-        return local, np.linalg.det(self._jacobians(local))
+        return self._measured(measures.corner_jacobians, (self.kind.corners,))
 
     def volumes(self) -> np.ndarray:
         """Return the volumes [m^3] (unit thickness on missing axes), shape (n,)."""
-        if self.kind in _TENSOR:
-            return self._gauss()[1].sum(axis=1)
-        return np.linalg.det(self._simplex_edges()) / (2.0 if self.kind == Kind.TRI else 6.0)
+        return self._measured(measures.volumes)
 
     def centroids(self) -> np.ndarray:
         """Return the centroids (1/V) int x dV [m], shape (n, 3)."""
-        x = self.vertices[self.cells]
-        if self.kind not in _TENSOR:
-            return x.mean(axis=1)
-        local, det = self._gauss()
-        signs = _SIGNS[: 2**self.dim, : self.dim]
-        shape = (0.5 * (1.0 + signs[None] * local[:, None])).prod(axis=2)  # (g, corner)
-        return np.einsum("ng,gc,ncx->nx", det, shape, x) / det.sum(axis=1)[:, None]
+        return self._measured(measures.centroids, (3,))
 
     def edge_vectors(self) -> np.ndarray:
-        """Return half edge vectors of the parallelepiped that stands for each domain.
-
-        Rows r_k [m], shape (n, 3, 3): means over opposite edges, scaled so that the volume
-        2^d |det r| is the domain's; missing axes have half a unit vector. Simplices take a
-        parallelepiped along their first corner's edges.
-        """
-        d = self.dim
-        edges = np.zeros((self.n, 3, 3))
-        edges[:] = 0.5 * np.eye(3)
-        if self.kind in _TENSOR:
-            x = self.vertices[self.cells]
-            signs = _SIGNS[: 2**d, :d]
-            edges[:, :d] = np.einsum("ck,ncx->nkx", signs, x) / 2**d
-        else:
-            edges[:, :d, :d] = 0.5 * np.swapaxes(self._simplex_edges(), 1, 2)
-        volume = 8.0 * np.linalg.det(edges)
-        edges[:, :d] *= ((self.volumes() / volume) ** (1.0 / d))[:, None, None]
-        return edges
+        """Return half edge vectors [m] of the parallelepipeds that stand for them, as rows, (n, 3, 3)."""
+        return self._measured(measures.edge_vectors, (3, 3))
 
     def half_lengths(self) -> np.ndarray:
-        """Return half-lengths [m] of the box that stands for each domain, shape (n, 3).
+        """Return half-lengths [m] of the boxes that stand for them, shape (n, 3)."""
+        return self._measured(measures.half_lengths, (3,))
 
-        The box has the domain's volume; its aspect is that of the box around the mean edge
-        vectors. Missing axes have 1/2.
-        """
-        half = np.abs(self.edge_vectors()).sum(axis=1)
-        half[:, self.dim :] = 0.5
-        scale = (self.volumes() / (8.0 * half.prod(axis=1))) ** (1.0 / self.dim)
-        half[:, : self.dim] *= scale[:, None]
-        return half
+    def _measured(self, measure: measures.Measure, shape: tuple[int, ...] = ()) -> np.ndarray:
+        return measures.measured(measure, self.vertices, self.cells, self.kind, shape)
+
+
+def _check_corners(cells: np.ndarray) -> None:
+    """Refuse a cell with one corner twice, and two cells with the same corners."""
+    # Cells with the same corners have the same key; those with one key are compared corner by corner.
+    key = np.zeros(len(cells), dtype=np.uint64)
+    weight = np.uint64(0x9E3779B97F4A7C15)
+    for start in range(0, len(cells), measures.BLOCK):
+        some = slice(start, start + measures.BLOCK)
+        ordered = np.sort(cells[some], axis=1)
+        bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
+        if len(bad):
+            row = start + bad[0]
+            raise InputError(f"mesh: cell {row} names a vertex twice: {cells[row].tolist()}")
+        for column in ordered.T.astype(np.uint64):
+            key[some] = (key[some] ^ column) * weight
+    order = np.argsort(key, kind="stable")
+    alike = np.flatnonzero(key[order[1:]] == key[order[:-1]])
+    rows = np.unique(np.concatenate([order[alike], order[alike + 1]]))
+    ordered = np.sort(cells[rows], axis=1)
+    _, first, count = np.unique(ordered, axis=0, return_index=True, return_counts=True)
+    if (count > 1).any():
+        twin = ordered[first[count > 1].min()].tolist()
+        raise InputError(f"mesh: two cells have the same corners, {twin}; keep one")

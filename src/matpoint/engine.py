@@ -7,7 +7,7 @@ which of its methods run, and in which order.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,13 +16,15 @@ from matpoint.errors import MatpointError, NotFiniteError, RunError
 from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Held, Mapping, ParticleError
-from matpoint.kernels.ledger import book_loads
+from matpoint.kernels.ledger import sum_loads
 from matpoint.kernels.nodes import constrain, solve, solve_extra
 from matpoint.loads import Damping, Loads
 from matpoint.materials import Material, stress_kernel
 from matpoint.neumann import neumann_correction
-from matpoint.particles import Particles
-from matpoint.threads import Team
+from matpoint.particles import Particles, Rows
+from matpoint.threads import BLOCK, Team
+
+T = TypeVar("T")
 
 _INVERTED = (
     "det F is not positive or the stress is not finite: the material turned inside out; a shorter step,"
@@ -62,7 +64,25 @@ class Engine:
 
     def list_materials(self) -> None:
         """List the particles of each material; needed after any change of order."""
-        self.groups = [np.flatnonzero(self.particles.material == k) for k in range(len(self.materials))]
+        material = self.particles.material
+        self.groups = [np.flatnonzero(material == k).astype(np.int32) for k in range(len(self.materials))]
+
+    def over_materials(self, call: Callable[[Material, Particles, Rows], T]) -> list[T]:
+        """Call a function on blocks of the particles of each material; return the results in order.
+
+        The blocks do not depend on the number of threads.
+        """
+        p, results = self.particles, []
+        for material, index in zip(self.materials, self.groups, strict=True):
+            whole = len(index) == len(p)  # then a slice makes no copies
+
+            def blocks(a: int, b: int, m=material, index=index, whole=whole) -> list[T]:
+                edges = [(c, min(c + BLOCK, b)) for c in range(a, b, BLOCK)]
+                return [call(m, p, slice(c, d) if whole else index[c:d]) for c, d in edges]
+
+            for part in self.team.blocks(len(index), blocks):
+                results += part
+        return results
 
     def fail(self, particle: int, cause: str) -> RunError:
         """Return the error for a particle at an internal index."""
@@ -182,7 +202,12 @@ class Engine:
         except ParticleError as fault:
             raise self.fail(fault.particle, fault.cause) from None
         if self.body.any():
-            book_loads(p.mass, self.body, before, p.position, self.dt, self.external)
+            sums = self.team.sums(
+                len(p),
+                7,
+                lambda a, b, block, out: sum_loads(a, b, block, p.mass, self.body, before, p.position, out),
+            )
+            self.external += sums * np.array([self.dt, self.dt, self.dt, 1.0, self.dt, self.dt, self.dt])
         v = self.mapping.vertices
         if self._pushes and v is not None and corners_before is not None:
             book_pushes(self._pushes, corners_before, v.position, self.dt, self.external)

@@ -14,6 +14,7 @@ import numpy as np
 
 from matpoint.domains import Domains, Kind
 from matpoint.errors import InputError
+from matpoint.measures import BLOCK
 
 #: Corners of each face of a domain, in VTK's order of corners, seen from outside.
 FACES: dict[Kind, tuple[tuple[int, ...], ...]] = {
@@ -36,6 +37,25 @@ def all_faces(cells: np.ndarray, kind: Kind) -> np.ndarray:
         Their shape.
     """
     return cells[:, np.array(FACES[kind])].reshape(-1, len(FACES[kind][0]))
+
+
+def flagged_faces(cells: np.ndarray, kind: Kind, flags: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return those of :func:`all_faces` all of whose corners carry a flag, and their places among all.
+
+    Parameters
+    ----------
+    cells, kind
+        As for :func:`all_faces`.
+    flags
+        Flag of each vertex, shape (nv,).
+    """
+    found, places = [all_faces(cells[:0], kind)], [np.zeros(0, dtype=np.int64)]
+    for start in range(0, len(cells), BLOCK):
+        faces = all_faces(cells[start : start + BLOCK], kind)
+        keep = np.flatnonzero(flags[faces].all(axis=1))
+        found.append(faces[keep])
+        places.append(start * len(FACES[kind]) + keep)
+    return np.concatenate(found), np.concatenate(places)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +81,11 @@ class Facets:
     outer: np.ndarray
 
 
-def near(faces: np.ndarray, vertices: np.ndarray, count: int) -> np.ndarray:
-    """Return the indices of those faces all of whose corners are among ``vertices`` (of ``count``)."""
+def flag(vertices: np.ndarray, count: int) -> np.ndarray:
+    """Return a flag for each of ``count`` vertices: whether it is among some."""
     flags = np.zeros(count, dtype=bool)
     flags[vertices] = True
-    return np.flatnonzero(flags[faces].all(axis=1))
+    return flags
 
 
 def _unshared(faces: np.ndarray) -> np.ndarray:
@@ -91,8 +111,9 @@ def split_by(domains: Domains, sides: Mapping[str, np.ndarray]) -> dict[str, np.
     sides
         Name of the set -> flag of each vertex, shape (nv,).
     """
-    faces = all_faces(domains.cells, domains.kind)
-    return {name: _unshared(faces[flags[faces].all(axis=1)]) for name, flags in sides.items()}
+    return {
+        name: _unshared(flagged_faces(domains.cells, domains.kind, flags)[0]) for name, flags in sides.items()
+    }
 
 
 def orient(rows: np.ndarray, cells: np.ndarray, kind: Kind, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -107,14 +128,13 @@ def orient(rows: np.ndarray, cells: np.ndarray, kind: Kind, count: int) -> tuple
     count
         The number of vertices.
     """
-    faces = all_faces(cells, kind)
-    close = near(faces, rows, count)
-    known = {tuple(sorted(face)): q for q, face in zip(close.tolist(), faces[close].tolist(), strict=True)}
+    faces, places = flagged_faces(cells, kind, flag(rows, count))
+    known = {tuple(sorted(face)): q for q, face in enumerate(faces.tolist())}
     found = np.array([known[tuple(sorted(row))] for row in rows.tolist()], dtype=np.int64)
     sign = np.ones(len(found))
     if kind == Kind.LINE:
-        sign[found % 2 == 0] = -1.0
-    return faces[found], sign
+        sign[places[found] % 2 == 0] = -1.0
+    return faces[found].astype(np.int64), sign
 
 
 def shared_faces(rows: np.ndarray, parts: Sequence[tuple[np.ndarray, Kind]], count: int) -> np.ndarray:
@@ -131,8 +151,8 @@ def shared_faces(rows: np.ndarray, parts: Sequence[tuple[np.ndarray, Kind]], cou
     """
     tally: Counter[tuple[int, ...]] = Counter()
     for cells, kind in parts:
-        faces = all_faces(cells, kind)
-        tally.update(tuple(sorted(face)) for face in faces[near(faces, rows, count)].tolist())
+        faces, _ = flagged_faces(cells, kind, flag(rows, count))
+        tally.update(tuple(sorted(face)) for face in faces.tolist())
     return np.array([tally[tuple(sorted(row))] > 1 for row in rows.tolist()], dtype=bool)
 
 
@@ -145,8 +165,7 @@ def check_sets(domains: Domains) -> None:
         If a set is empty or has the wrong shape, or a row is not a face of one of the domains.
     """
     kind, count = domains.kind, len(domains.vertices)
-    faces = all_faces(domains.cells, kind)
-    width = faces.shape[1]
+    width = len(FACES[kind][0])
     for name, rows in domains.sets.items():
         if rows.ndim != 2 or rows.shape[1] != width or not np.issubdtype(rows.dtype, np.integer):
             raise InputError(
@@ -156,7 +175,7 @@ def check_sets(domains: Domains) -> None:
         if len(rows) == 0:
             raise InputError(f"mesh: boundary set {name!r} is empty")
         inside = ((rows >= 0) & (rows < count)).all(axis=1)
-        close = faces[near(faces, rows[inside], count)]
+        close, _ = flagged_faces(domains.cells, kind, flag(rows[inside], count))
         known = {tuple(sorted(face)) for face in close.tolist()}
         for row in rows.tolist():
             if tuple(sorted(row)) not in known:

@@ -16,28 +16,61 @@ _STEPS = {
     2: ((0, 0), (1, 0), (1, 1), (0, 1)),
     3: ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
 }
+_POINTS = 1 << 16  # lattice points that a region is asked about in one go, or one plane of them
 
 
-def lattice_domains(index: np.ndarray, origin: np.ndarray, spacing: np.ndarray) -> Domains:
-    """Return the boxes of a lattice as domains with unique corners.
+def lattice_domains(
+    inside: np.ndarray, first: np.ndarray, origin: np.ndarray, spacing: np.ndarray
+) -> Domains:
+    """Return the chosen boxes of a lattice as domains with unique corners.
+
+    Boxes and corners are numbered in order, the last axis fastest.
 
     Parameters
     ----------
-    index
-        Lattice numbers of the boxes, shape (n, dim).
+    inside
+        Flag of each box of a block of the lattice, one axis of the array for each of the lattice.
+    first
+        Lattice numbers of the block's first box, shape (dim,).
     origin, spacing
         Where box 0 begins [m] and how long a box is [m], shape (dim,).
     """
-    dim = index.shape[1]
-    low = index.min(axis=0)
-    counts = index.max(axis=0) - low + 2
-    corners = index[:, None, :] - low + np.array(_STEPS[dim])[None]
-    number = np.ravel_multi_index(tuple(np.moveaxis(corners, 2, 0)), tuple(counts))
-    unique, cells = np.unique(number, return_inverse=True)
-    vertices = np.zeros((len(unique), 3))
-    lattice = np.stack(np.unravel_index(unique, tuple(counts)), axis=1) + low
-    vertices[:, :dim] = origin + spacing * lattice
-    return Domains(vertices, cells.reshape(number.shape), _KINDS[dim], checked=True)
+    dim = inside.ndim
+    padded = np.pad(inside, [(0, 1)] * dim)
+    used = np.zeros(padded.shape, dtype=bool)
+    for step in _STEPS[dim]:
+        used[tuple(slice(a, a + n) for a, n in zip(step, inside.shape, strict=True))] |= inside
+    number = np.cumsum(used.ravel(), dtype=np.int32 if used.size < 2**31 else np.int64) - 1
+    strides = np.cumprod((1, *used.shape[:0:-1]))[::-1]
+    boxes = np.flatnonzero(padded)
+    cells = np.empty((len(boxes), 2**dim), dtype=number.dtype)
+    for corner, step in enumerate(_STEPS[dim]):
+        cells[:, corner] = number[boxes + np.dot(step, strides)]
+    places = np.unravel_index(np.flatnonzero(used), used.shape)
+    vertices = np.zeros((len(places[0]), 3))
+    for k, place in enumerate(places):
+        vertices[:, k] = origin[k] + spacing[k] * (place + first[k])
+    return Domains(vertices, cells, _KINDS[dim], checked=True)
+
+
+def _chosen(
+    region: Region, first: np.ndarray, shape: tuple[int, ...], start: np.ndarray, step: np.ndarray
+) -> np.ndarray:
+    """Flag of each box of a block of the lattice whose centre lies in a region, a few planes in one go."""
+    inside = np.zeros(shape, dtype=bool)
+    axes = [
+        a + h * (low + np.arange(n) + 0.5) for low, n, a, h in zip(first, shape, start, step, strict=True)
+    ]
+    plane = int(np.prod(shape[1:]))
+    planes = max(1, _POINTS // plane)
+    for row in range(0, shape[0], planes):
+        block = np.meshgrid(axes[0][row : row + planes], *axes[1:], indexing="ij", copy=False)
+        centres = np.zeros((block[0].size, 3))
+        for k, values in enumerate(block):
+            centres[:, k] = values.ravel()
+        flags = np.asarray(region.contains(centres), dtype=bool)
+        inside[row : row + planes] = flags.reshape(block[0].shape)
+    return inside
 
 
 def fill(region: Region, origin: Sequence[float], spacing: Sequence[float], dim: int) -> Domains:
@@ -63,13 +96,10 @@ def fill(region: Region, origin: Sequence[float], spacing: Sequence[float], dim:
         raise InputError("the region is not bounded, so it can't be filled; intersect it with a box")
     first = np.floor((low - start) / step - 1e-6).astype(np.int64)
     last = np.ceil((high - start) / step + 1e-6).astype(np.int64)
-    axes = [np.arange(a, max(b, a + 1)) for a, b in zip(first, last, strict=True)]
-    index = np.stack([m.ravel() for m in np.meshgrid(*axes, indexing="ij")], axis=1)
-    centres = np.zeros((len(index), 3))
-    centres[:, :dim] = start + step * (index + 0.5)
-    inside = np.asarray(region.contains(centres), dtype=bool)
+    shape = tuple(int(max(b, a + 1) - a) for a, b in zip(first, last, strict=True))
+    inside = _chosen(region, first, shape, start, step)
     if not inside.any():
         raise InputError(
             f"no particles: no point of the lattice of spacing {step.tolist()} m lies in its region"
         )
-    return lattice_domains(index[inside], start, step)
+    return lattice_domains(inside, first, start, step)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from matpoint.kernels.ledger import sum_moments, sum_motion
+from matpoint.materials import Material
+from matpoint.particles import Particles, Rows
 
 if TYPE_CHECKING:
     from matpoint.engine import Engine
@@ -50,31 +55,34 @@ class LedgerEntry:
 
 def take_entry(engine: Engine) -> LedgerEntry:
     """Return the balance of an engine's particles now."""
-    p = engine.particles
-    speed2 = np.einsum("pa,pa->p", p.velocity, p.velocity)
-    spin = np.cross(p.position, p.velocity)
+    p, team = engine.particles, engine.team
+    sums = team.sums(
+        len(p), 8, lambda a, b, block, out: sum_motion(a, b, block, p.mass, p.position, p.velocity, out)
+    )
+    angular = sums[4:7]
     moment = getattr(p, "affine_moment", None)
-    strain = engine.mapping.stored_energy()
-    for material, index in zip(engine.materials, engine.groups, strict=True):
-        density = material.energy(p.deformation_gradient[index], p.state[index])
-        strain += float("nan") if density is None else float(p.volume0[index] @ density)
-    angular = p.mass @ spin
-    if moment is not None:
-        # APIC carries angular momentum in B = sum w v (x_i - x_p)^T as well.
-        b = np.einsum("p,pab->ab", p.mass, moment)
-        angular = angular + np.array([b[2, 1] - b[1, 2], b[0, 2] - b[2, 0], b[1, 0] - b[0, 1]])
+    if moment is not None:  # APIC carries angular momentum in B as well
+        angular = angular + team.sums(
+            len(p), 3, lambda a, b, block, out: sum_moments(a, b, block, p.mass, moment, out)
+        )
     return LedgerEntry(
         step=engine.step,
         time=engine.time,
-        mass=float(p.mass.sum()),
-        momentum=p.mass @ p.velocity,
+        mass=float(sums[0]),
+        momentum=sums[1:4],
         angular_momentum=angular,
         impulse=engine.external[:3].copy(),
         angular_impulse=engine.external[4:].copy(),
-        kinetic=0.5 * float(p.mass @ speed2),
-        strain=strain,
+        kinetic=0.5 * float(sums[7]),
+        strain=engine.mapping.stored_energy() + math.fsum(engine.over_materials(_stored)),
         external_work=float(engine.external[3]),
     )
+
+
+def _stored(material: Material, p: Particles, rows: Rows) -> float:
+    """The energy [J] that some particles store; NaN if their material has no energy function."""
+    density = material.energy(p.deformation_gradient[rows], p.state[rows])
+    return float("nan") if density is None else float(p.volume0[rows] @ density)
 
 
 @dataclass

@@ -1,7 +1,8 @@
-"""Refusing what can't fit into memory, before anything large is allocated."""
+"""Memory that is free, and refusing what can't fit into it."""
 
 from __future__ import annotations
 
+import math
 import os
 
 from matpoint.errors import InputError
@@ -10,25 +11,38 @@ from matpoint.errors import InputError
 _PER_NODE, _PER_PARTICLE = 64.0, 1000.0
 
 
-def available() -> float:
-    """Return the bytes of memory that this process may have: the machine's, or a limit set below it."""
-    try:
-        physical = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, ValueError, OSError):
-        physical = 64e9
+def free_memory() -> float:
+    """Return the bytes that this process may take now: those free, or a limit set below them.
+
+    Where the system does not tell what is free it is all that the machine has.
+    """
     try:
         import resource  # noqa: PLC0415 (not on Windows)
 
         limit = float(resource.getrlimit(resource.RLIMIT_AS)[0])
     except (ImportError, OSError):
-        return physical
-    return min(physical, limit) if limit > 0 else physical
+        limit = -1.0
+    return min(_machine(), limit if limit > 0 else math.inf)
+
+
+def _machine() -> float:
+    try:
+        with open("/proc/meminfo", encoding="ascii") as file:
+            for line in file:
+                if line.startswith("MemAvailable:"):
+                    return 1024.0 * float(line.split()[1])
+    except (OSError, ValueError, IndexError):
+        pass
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):
+        return math.inf
 
 
 def refuse_size(
     where: str, nodes: float, particles: float, cure: str, per_particle: float = _PER_PARTICLE
 ) -> None:
-    """Refuse numbers of nodes and particles that need more memory than the machine has.
+    """Refuse numbers of nodes and particles that need more memory than is free.
 
     Parameters
     ----------
@@ -46,10 +60,10 @@ def refuse_size(
     InputError
         With the sizes, the memory, and the cure.
     """
-    memory = available()
+    free = free_memory()
     for count, bytes_, what in ((nodes, _PER_NODE, "nodes"), (particles, per_particle, "particles")):
-        if count * bytes_ > memory:
+        if count * bytes_ > free:
             raise InputError(
-                f"{where}: {count:.3g} {what} need about {count * bytes_ / 1e9:.3g} GB, there are"
-                f" {memory / 1e9:.3g} GB here; {cure}"
+                f"{where}: {count:.3g} {what} need about {count * bytes_ / 1e9:.3g} GB, this machine has"
+                f" {free / 1e9:.3g} GB free; {cure}"
             )

@@ -47,8 +47,7 @@ def mesh_box(lower: Sequence[float], upper: Sequence[float], divisions: Sequence
     if not (np.isfinite(low).all() and np.isfinite(high).all() and (high > low).all()):
         raise InputError(f"mesh box: upper = {list(upper)} must be greater than lower = {list(lower)}")
     count = np.array(_divisions("mesh box", divisions, len(low)))
-    index = np.stack([m.ravel() for m in np.meshgrid(*map(np.arange, count), indexing="ij")], axis=1)
-    box = lattice_domains(index, low, (high - low) / count)
+    box = lattice_domains(np.ones(count, dtype=bool), np.zeros(len(low)), low, (high - low) / count)
     hair = 1e-9 * (high - low)
     sides = {}
     for k, axis in enumerate("xyz"[: len(low)]):

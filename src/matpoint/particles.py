@@ -4,6 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from matpoint.kernels.order import reorder
+
+#: Some particles: a slice, or their internal indices.
+Rows = slice | np.ndarray
+#: The largest number of bodies that a particle can tell apart.
+MOST = 32767
+
 _REQUIRED: dict[str, tuple[int, ...]] = {
     "position": (3,),
     "position0": (3,),
@@ -24,8 +31,8 @@ class Particles:
 
     Attributes
     ----------
-    id : ndarray of int64, shape (n,)
-    material, body : ndarray of int32, shape (n,)
+    id : ndarray of int32, shape (n,)
+    material, body : ndarray of int16, shape (n,)
         Index of the material and of the body.
     position, position0, velocity : ndarray, shape (n, 3)
         Current and initial position [m], velocity [m/s].
@@ -57,9 +64,9 @@ class Particles:
 
     def __init__(self, count: int, state_variables: int = 0) -> None:
         self._names: list[str] = ["id", "material", "body", "state", *_REQUIRED]
-        self.id = np.arange(count)
-        self.material = np.zeros(count, dtype=np.int32)
-        self.body = np.zeros(count, dtype=np.int32)
+        self.id = np.arange(count, dtype=np.int32)
+        self.material = np.zeros(count, dtype=np.int16)
+        self.body = np.zeros(count, dtype=np.int16)
         self.state = np.zeros((count, state_variables))
         for name, shape in _REQUIRED.items():
             setattr(self, name, np.zeros((count, *shape)))
@@ -75,7 +82,7 @@ class Particles:
 
     def add(self, name: str, values: np.ndarray) -> None:
         """Carry one more array over the particles, sorted with the others."""
-        setattr(self, name, values)
+        setattr(self, name, np.ascontiguousarray(values))
         if name not in self._names:
             self._names.append(name)
 
@@ -87,6 +94,13 @@ class Particles:
         return result
 
     def permute(self, order: np.ndarray) -> None:
-        """Put all arrays in a new order: entry k becomes what entry order[k] was."""
+        """Put all arrays in a new order, in place: entry k becomes what entry order[k] was."""
+        done = np.zeros(len(self), dtype=bool)
         for name in self._names:
-            setattr(self, name, np.ascontiguousarray(getattr(self, name)[order]))
+            values = getattr(self, name)
+            rows = values.reshape(len(self), -1)
+            if rows.nbytes > 8 * len(self):  # without a second array
+                rows = rows.view(np.uint8)
+                reorder(order, rows, done, np.empty(rows.shape[1], dtype=np.uint8))
+            else:
+                values[:] = values[order]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -198,10 +198,6 @@ class Simulation:
         parts += [m.citation for m in self.materials]
         return tuple(dict.fromkeys(key for part in parts for key in part))
 
-    def by_material(self) -> Iterator[tuple[np.ndarray, Material]]:
-        """Yield the internal indices of the particles of each material, and the material."""
-        yield from zip(self.engine.groups, self.materials, strict=True)
-
     def vertex_spacing(self) -> np.ndarray:
         """Return the height [m] of each domain with an enriched vertex, inf for others, shape (n,)."""
         return self.engine.mapping.spacing()
@@ -280,7 +276,7 @@ class Simulation:
     def sort(self) -> None:
         """Put the particles in order of cell; ids keep their meaning."""
         order = cell_order(self.engine.team, self.grid, self.particles.position)
-        if np.array_equal(order, np.arange(len(order))):
+        if order is None:
             return
         self.particles.permute(order)
         self.engine.mapping.permute(order)

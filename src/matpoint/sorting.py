@@ -118,8 +118,8 @@ def sort_by_cell(
     )
 
 
-def cell_order(team: Team, grid: Grid, x: np.ndarray) -> np.ndarray:
-    """Return the stable order of points (n, 3) [m] by cell of the grid, the last axis fastest."""
+def cell_order(team: Team, grid: Grid, x: np.ndarray) -> np.ndarray | None:
+    """Return the stable order of points (n, 3) [m] by cell, the last axis fastest; None if they are in it."""
     d = grid.dim
     size, corner, most = np.full(3, np.inf), np.zeros(3), np.zeros(3, dtype=np.int64)
     # One cell more on each side, for what lies a little outside; only cells that hold points are counted.
@@ -129,4 +129,4 @@ def cell_order(team: Team, grid: Grid, x: np.ndarray) -> np.ndarray:
     first, last = (np.clip(((c - corner) * inverse).astype(np.int64), 0, most) for c in (x.min(0), x.max(0)))
     key, order = np.empty(len(x), dtype=np.int32), np.empty(len(x), dtype=np.int32)
     sort_by_cell(team, x, corner, inverse, first, last - first + 1, key, order)
-    return order
+    return None if (key[1:] >= key[:-1]).all() else order

@@ -11,6 +11,7 @@ import itertools
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -20,6 +21,7 @@ from matpoint.errors import InputError
 
 _WORTH_IT = 2048  # below this many items a thread costs more than it brings
 _SPARE = 4  # pieces for each thread
+BLOCK = 8192  # particles whose sum is made by one thread, in order; sums of blocks are added in order
 
 
 def available_threads() -> int:
@@ -59,8 +61,11 @@ class Team:
             raise InputError(f"threads = {threads!r} must be a whole number from 1 to 1024")
         self.threads = count
         # Only if they are to fill all processors: fewer are left to the system, which knows what else runs.
-        bind = _bind if hasattr(os, "sched_setaffinity") and count == available_threads() else None
-        self._pool = ThreadPoolExecutor(count, "matpoint", bind, (itertools.count(),)) if count > 1 else None
+        bind = hasattr(os, "sched_setaffinity") and count == available_threads()
+        self._pool = None
+        if count > 1:
+            begin = partial(_bind, itertools.count()) if bind else None
+            self._pool = ThreadPoolExecutor(count, "matpoint", begin)
 
     def pieces(self, count: int, most: int | None = None, each: int = 1) -> list[tuple[int, int]]:
         """Cut range(count) into pieces, no more than ``most``; one if it is short.
@@ -93,6 +98,21 @@ class Team:
     def split(self, count: int, call: Callable[[int, int], Any], each: int = 1) -> list[Any]:
         """Call ``call(start, stop)`` on the pieces of range(count); return the results in order."""
         return self.map(lambda _, a, b: call(a, b), self.pieces(count, each=each))
+
+    def sums(self, count: int, width: int, call: Callable[[int, int, int, np.ndarray], Any]) -> np.ndarray:
+        """Return sums over range(count), shape (width,): to the last bit the same for any threads.
+
+        ``call(start, stop, block, sums)`` puts the sums of each block of ``block`` items into its own row
+        of ``sums``.
+        """
+        sums = np.zeros((-(-count // BLOCK), width))
+        self.blocks(count, lambda a, b: call(a, b, BLOCK, sums))
+        return sums.sum(axis=0)
+
+    def blocks(self, count: int, call: Callable[[int, int], Any]) -> list[Any]:
+        """As :meth:`split`, with pieces that begin at multiples of ``BLOCK``."""
+        pieces = [(a * BLOCK, min(b * BLOCK, count)) for a, b in self.pieces(-(-count // BLOCK), each=BLOCK)]
+        return self.map(lambda _, a, b: call(a, b), pieces)
 
     def coloured(self, pointer: np.ndarray, call: Callable[[np.ndarray, int, int], Any]) -> None:
         """Call ``call(slabs, start, stop)`` over the even slabs, then over the odd ones."""

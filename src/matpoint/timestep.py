@@ -10,6 +10,8 @@ import numpy as np
 
 from matpoint.checks import number, positive, whole
 from matpoint.errors import InputError
+from matpoint.materials import Material
+from matpoint.particles import Particles, Rows
 from matpoint.transfers import FMPM
 
 if TYPE_CHECKING:
@@ -77,18 +79,21 @@ def stable_step(simulation: Simulation) -> float:
     at its own c. FMPM(k) makes the lightest modes of the grid up to k times lighter, which divides all by
     sqrt(k).
     """
-    p = simulation.particles
-    speed, spread = np.zeros(len(p)), 0.0
-    for index, material in simulation.by_material():
-        spread = max(spread, material.diffusivity)
-        speed[index] = material.wave_speed(p.deformation_gradient[index], p.state[index])
-    rate = speed + np.sqrt((p.velocity**2).sum(axis=1))
-    fastest = float(rate.max())
-    limit = simulation.grid.finest / fastest if fastest > 0 else math.inf
+    spacing, finest = simulation.vertex_spacing(), simulation.grid.finest
+
+    def rates(material: Material, p: Particles, rows: Rows) -> tuple[float, float]:
+        speed = material.wave_speed(p.deformation_gradient[rows], p.state[rows])
+        velocity = p.velocity[rows]
+        rate = speed + np.sqrt(np.einsum("pa,pa->p", velocity, velocity))
+        height = spacing[rows] if len(spacing) > 1 else spacing
+        return float(rate.max()), float((speed / height).max())  # 1/inf = 0: no enriched vertex there
+
+    fastest, crossing = np.array(simulation.engine.over_materials(rates)).max(axis=0)
+    spread = max(material.diffusivity for material in simulation.materials)
+    limit = finest / fastest if fastest > 0 else math.inf
     if spread > 0:
-        limit = min(limit, simulation.grid.finest**2 / (2 * simulation.dim * spread))
-    crossing = float((speed / simulation.vertex_spacing()).max())  # 1/inf = 0: no enriched vertex there
+        limit = min(limit, finest**2 / (2 * simulation.dim * spread))
     if crossing > 0:
         limit = min(limit, VERTEX_SHARE[simulation.dim] / crossing)
     transfer = simulation.scheme.transfer
-    return limit / math.sqrt(transfer.order) if isinstance(transfer, FMPM) else limit
+    return float(limit / math.sqrt(transfer.order) if isinstance(transfer, FMPM) else limit)

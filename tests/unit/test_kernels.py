@@ -10,6 +10,7 @@ import pytest
 from matpoint.grid import Grid
 from matpoint.kernels import box, corners, ledger, locate, nodes, vector, vertex
 from matpoint.kernels.fields import per_particle
+from matpoint.kernels.order import reorder
 from matpoint.kernels.stretch import stretch_boxes
 from matpoint.nodes import Nodes, gimp_axis, hat_axis, spline_axis
 from matpoint.sorting import EVERY_POINT, Slabs, cell_order
@@ -351,7 +352,9 @@ def test_cell_order_is_a_stable_sort(dim, threads):
     cells = np.floor((x[:, :dim] - grid.lower) / grid.cell).astype(int) + 1
     key = np.ravel_multi_index(cells.T, np.array(grid.cells) + 2)
     team = Team(threads)
-    np.testing.assert_array_equal(cell_order(team, grid, x), np.argsort(key, kind="stable"))
+    order = np.argsort(key, kind="stable")
+    np.testing.assert_array_equal(cell_order(team, grid, x), order)
+    assert cell_order(team, grid, x[order]) is None
     team.close()
 
 
@@ -417,13 +420,41 @@ def test_compiled_user_field():
 
 
 @pytest.mark.parametrize("rows", [1, 5])
-def test_book_loads(rows):
+def test_sums_of_loads(rows):
     rng = np.random.default_rng(10)
     m, body = rng.uniform(1, 2, 5), rng.normal(size=(rows, 3))
     before, after = rng.normal(size=(5, 3)), rng.normal(size=(5, 3))
-    external = np.ones(7)
-    ledger.book_loads(m, body, before, after, 0.1, external)
+    sums = np.full((3, 7), np.nan)
+    ledger.sum_loads(0, 5, 2, m, body, before, after, sums)
     force = m[:, None] * body
-    np.testing.assert_allclose(external[:3], 1 + 0.1 * force.sum(axis=0))
-    assert external[3] == pytest.approx(1 + (force * (after - before)).sum())
-    np.testing.assert_allclose(external[4:], 1 + 0.1 * np.cross(before, force).sum(axis=0))
+    total = sums.sum(axis=0)
+    np.testing.assert_allclose(total[:3], force.sum(axis=0))
+    assert total[3] == pytest.approx((force * (after - before)).sum())
+    np.testing.assert_allclose(total[4:], np.cross(before, force).sum(axis=0))
+
+
+def test_sums_of_motion_and_of_apics_moments():
+    rng = np.random.default_rng(11)
+    m, x, v, B = rng.uniform(1, 2, 7), *rng.normal(size=(2, 7, 3)), rng.normal(size=(7, 3, 3))
+    sums, moments = np.full((3, 8), np.nan), np.full((3, 3), np.nan)
+    ledger.sum_motion(0, 3, 3, m, x, v, sums)
+    ledger.sum_motion(3, 7, 3, m, x, v, sums)
+    ledger.sum_moments(0, 7, 3, m, B, moments)
+    assert sums[1, 0] == pytest.approx(m[3:6].sum())
+    total = sums.sum(axis=0)
+    np.testing.assert_allclose(total[1:4], m @ v)
+    np.testing.assert_allclose(total[4:7], m @ np.cross(x, v))
+    assert total[7] == pytest.approx(m @ (v**2).sum(axis=1))
+    b = np.einsum("p,pab->ab", m, B)
+    np.testing.assert_allclose(moments.sum(axis=0), [b[2, 1] - b[1, 2], b[0, 2] - b[2, 0], b[1, 0] - b[0, 1]])
+
+
+def test_rows_take_a_new_order_in_place():
+    rng = np.random.default_rng(12)
+    done = np.zeros(50, dtype=bool)
+    for order in (rng.permutation(50), np.arange(50), np.roll(np.arange(50), 1)):
+        rows = rng.integers(0, 255, (50, 24)).astype(np.uint8)
+        wanted = rows[order]
+        reorder(order, rows, done, np.zeros(24, dtype=np.uint8))
+        np.testing.assert_array_equal(rows, wanted)
+        assert not done.any()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from matpoint.case.build import build_simulation, make_problem
+from matpoint.case.build import build_forecast, build_simulation, make_problem
 from matpoint.case.load import Case, bundled_cases, load
 from matpoint.case.schema import CaseTable
 from matpoint.case.writers import build_writers, planned
@@ -10,6 +10,7 @@ from matpoint.case.writers import build_writers, planned
 __all__ = [
     "Case",
     "CaseTable",
+    "build_forecast",
     "build_simulation",
     "build_writers",
     "bundled_cases",

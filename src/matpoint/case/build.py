@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matpoint.body import Body
@@ -13,7 +12,7 @@ from matpoint.case.conditions import make_condition
 from matpoint.case.files import MeshFiles
 from matpoint.case.load import Case
 from matpoint.case.loads import make_damping, make_load
-from matpoint.case.memory import check_memory
+from matpoint.case.memory import forecast_run
 from matpoint.case.objects import (
     make_interpolation,
     make_material,
@@ -26,14 +25,17 @@ from matpoint.case.objects import (
 from matpoint.case.schema import BodyTable, CaseTable, ProblemTable
 from matpoint.case.shapes import FileMesh
 from matpoint.domains import Domains
-from matpoint.errors import InputError, did_you_mean, naming
+from matpoint.errors import InputError, RunError, did_you_mean, naming
 from matpoint.grid import Grid
+from matpoint.interpolation.contract import Interpolation
 from matpoint.materials import Material
 from matpoint.problems import PROBLEMS
 from matpoint.regions import Region
+from matpoint.scheme import Scheme
 from matpoint.simulation import Simulation
 
 if TYPE_CHECKING:
+    from matpoint.footprint import Forecast
     from matpoint.problem import Problem
 
 _MOST_STEPS = 1e12
@@ -95,14 +97,53 @@ def build_simulation(case: Case, threads: int | None = None) -> Simulation:
     """
     times = case.tables.time
     _check_end(times.end, times.step or 0.0)
-    simulation = _simulation(case.tables, case.folder, threads)
+    simulation = _simulation(case, threads)
     _check_end(times.end, simulation.dt, "about ")
     simulation.sample_every = times.sample_every or simulation.sample_every
     simulation.sort_every = times.sort_every or simulation.sort_every
     return simulation
 
 
-def _simulation(tables: CaseTable, folder: Path | None, threads: int | None) -> Simulation:
+def build_forecast(case: Case) -> Forecast:
+    """Return the memory that a run of a case needs; nothing large is made, but for problems.
+
+    Raises
+    ------
+    InputError
+        As :func:`build_simulation`, as far as the grid and the bodies go.
+    """
+    tables = case.tables
+    interpolation = make_interpolation(tables.interpolation)
+    scheme = make_scheme(tables.scheme, interpolation)
+    if tables.problem is not None:
+        sim = build_simulation(case, threads=1)
+        return forecast_run(case, sim.grid, sim.bodies, interpolation, scheme)
+    return forecast_run(case, *_grid_and_bodies(case), interpolation, scheme)
+
+
+def _grid_and_bodies(case: Case) -> tuple[Grid, list[Body]]:
+    tables = case.tables
+    if tables.grid is None:
+        raise InputError("grid: this table is missing (lower, upper, cell)")
+    with naming("grid"):
+        grid = Grid(tables.grid.lower, tables.grid.upper, tables.grid.cell)
+    materials = {name: make_material(name, table) for name, table in tables.materials.items()}
+    return grid, _bodies(tables.bodies, materials, grid.dim, MeshFiles(case.folder))
+
+
+def _check_memory(
+    case: Case, grid: Grid, bodies: Sequence[Body], interpolation: Interpolation, scheme: Scheme
+) -> None:
+    """Refuse a run that needs more memory than is free."""
+    try:
+        need = forecast_run(case, grid, bodies, interpolation, scheme)
+    except (InputError, RunError):
+        return  # something else is wrong, and said where it matters
+    need.check()
+
+
+def _simulation(case: Case, threads: int | None) -> Simulation:
+    tables = case.tables
     interpolation = make_interpolation(tables.interpolation)
     scheme = make_scheme(tables.scheme, interpolation)
     timestep = make_timestep(tables.time)
@@ -110,16 +151,11 @@ def _simulation(tables: CaseTable, folder: Path | None, threads: int | None) -> 
         _problem_only(tables)
         problem = make_problem(tables.problem)
         return problem.simulation(interpolation, scheme=scheme, timestep=timestep, threads=threads)
-    if tables.grid is None:
-        raise InputError("grid: this table is missing (lower, upper, cell)")
-    with naming("grid"):
-        grid = Grid(tables.grid.lower, tables.grid.upper, tables.grid.cell)
-    materials = {name: make_material(name, table) for name, table in tables.materials.items()}
-    bodies = _bodies(tables.bodies, materials, grid.dim, MeshFiles(folder))
-    check_memory(grid, bodies)
+    grid, bodies = _grid_and_bodies(case)
     walls_only = interpolation.walls_only
     conditions = [make_condition(t, k, grid, walls_only) for k, t in enumerate(tables.boundaries)]
     loads = [make_load(t, number, grid.dim) for number, t in enumerate(tables.loads)]
+    _check_memory(case, grid, bodies, interpolation, scheme)
     try:
         return Simulation(
             grid, bodies, interpolation=interpolation, scheme=scheme, timestep=timestep,

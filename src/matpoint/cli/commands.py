@@ -55,10 +55,23 @@ Force = Annotated[
 ]
 
 
-def _load(case: str, settings: list[str], plugins: list[Path]) -> Any:
+def _announce_compiling() -> None:
+    """Say so, once, if kernels must be compiled; old caches go when a new one begins."""
+    from matpoint.jit import on_first_compilation, prune_caches  # noqa: PLC0415 (slow to import)
+
+    def begin() -> None:
+        print("compiling kernels (a first run takes some 10 to 60 s) ...", file=sys.stderr, flush=True)
+        prune_caches()
+
+    on_first_compilation(begin)
+
+
+def _load(case: str, settings: list[str], plugins: list[Path], quiet: bool = False) -> Any:
     from matpoint.case import load  # noqa: PLC0415 (slow to import)
     from matpoint.cli.plugins import load_plugin  # noqa: PLC0415
 
+    if not quiet:
+        _announce_compiling()
     for plugin in plugins:
         load_plugin(plugin)
     return load(case, settings)
@@ -104,7 +117,7 @@ def run(
     from matpoint.case import build_simulation, build_writers, planned  # noqa: PLC0415 (slow to import)
     from matpoint.output import Progress, prepare_folder, resume  # noqa: PLC0415
 
-    read = _load(case, set_, plugin)
+    read = _load(case, set_, plugin, quiet)
     folder = Path("results") / read.name if out is None else out
     _keep([case, *plugin, *([] if restart is None else [restart])], folder)
     simulation = build_simulation(read, threads)
@@ -248,6 +261,7 @@ def reproduce(
 
     if paper not in PAPERS:
         raise InputError(f"reproduce: {paper!r}{did_you_mean(paper, PAPERS)}; there is {', '.join(PAPERS)}")
+    _announce_compiling()
     folder = Path("results") / f"reproduce-{paper}" if out is None else out
     prepare_folder(folder, force, ["*.png", "*.csv", "table.*", "settings.json"])
     PAPERS[paper](folder, lambda text: print(text, file=sys.stderr, flush=True), quick)
@@ -322,11 +336,29 @@ def explain(
 
 
 @app.command
-def info() -> None:
-    """Print versions, threads, vector width and the cache folder."""
-    from matpoint.cli.report import information  # noqa: PLC0415 (slow to import)
+def info(
+    case: str | None = None,
+    /,
+    *,
+    set_: Settings = [],  # noqa: B006 (never changed)
+    plugin: Plugin = [],  # noqa: B006 (never changed)
+) -> None:
+    """Print versions, threads, vector width and the cache folder; of a case, the memory that it needs.
 
-    print(information())
+    Parameters
+    ----------
+    case
+        A TOML file, or the name of a bundled case.
+    """
+    from matpoint.cli.report import information, requirement  # noqa: PLC0415 (slow to import)
+
+    if case is None:
+        print(information())
+        return
+    from matpoint.case import build_forecast  # noqa: PLC0415 (slow to import)
+
+    read = _load(case, set_, plugin)
+    print(requirement(read.name, build_forecast(read)))
 
 
 @app.command

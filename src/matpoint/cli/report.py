@@ -12,6 +12,7 @@ from matpoint._version import __version__
 
 if TYPE_CHECKING:
     from matpoint.case import Case
+    from matpoint.footprint import Forecast
     from matpoint.simulation import Simulation
 
 
@@ -99,3 +100,24 @@ def information() -> str:
     rows["vector width"] = f"{width} bits, {width // 64} float64 lanes"
     rows["cache"] = str(cache_folder())
     return _block("matpoint", rows)
+
+
+def _size(count: float) -> str:
+    """Return a number of bytes in the unit that suits it."""
+    for unit in ("bytes", "kB", "MB"):
+        if count < 1000:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} GB"
+
+
+def requirement(name: str, need: Forecast) -> str:
+    """Return the memory that a case needs, group by group."""
+    rows = {}
+    for what, part in (("particles", need.particles), ("nodes", need.nodes)):
+        rows[f"{part.count:.4g} {what}"] = (
+            f"{sum(part.bytes_each.values()):.0f} bytes each, {_size(part.total)} in all:"
+            f" {', '.join(f'{group} {size:.0f}' for group, size in part.bytes_each.items())}"
+        )
+    rows["in all"] = f"about {_size(need.total)}; {_size(need.free)} are free"
+    return _block(f"memory of {name}", rows)

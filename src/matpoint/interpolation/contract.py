@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from collections.abc import Mapping as Mapping_
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -18,6 +19,7 @@ import numpy as np
 from matpoint.errors import InputError
 from matpoint.faces import Facets
 from matpoint.grid import Grid
+from matpoint.measures import edge_vectors, half_lengths, measured
 from matpoint.nodes import Nodes
 from matpoint.particles import Particles
 from matpoint.places import Corners, Surface
@@ -43,10 +45,6 @@ class Setting:
 
     Attributes
     ----------
-    domains_half : ndarray, shape (n, 3)
-        Half-lengths [m] of the box that stands for each particle's initial domain.
-    domains_edges : ndarray, shape (n, 3, 3)
-        Half edge vectors [m] of its initial parallelepiped, as rows.
     vertices, connectivity, kind
         The shared corners of all domains: (nv, 3) [m], (n, K) padded with -1, (n,).
     facets
@@ -62,8 +60,6 @@ class Setting:
     grid: Grid
     particles: Particles
     team: Team
-    domains_half: np.ndarray
-    domains_edges: np.ndarray
     vertices: np.ndarray
     connectivity: np.ndarray
     kind: np.ndarray
@@ -71,6 +67,16 @@ class Setting:
     held: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     stiffness: np.ndarray = field(default_factory=lambda: np.zeros(0))
     notes: list[str] = field(default_factory=list)
+
+    @cached_property
+    def domains_half(self) -> np.ndarray:
+        """Half-lengths [m] of the box that stands for each particle's initial domain, shape (n, 3)."""
+        return measured(half_lengths, self.vertices, self.connectivity, self.kind, (3,))
+
+    @cached_property
+    def domains_edges(self) -> np.ndarray:
+        """Half edge vectors [m] of each particle's initial parallelepiped, as rows, shape (n, 3, 3)."""
+        return measured(edge_vectors, self.vertices, self.connectivity, self.kind, (3, 3))
 
     def faces_of(self, surface: Surface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return corners, sign and outer flag of the faces of a boundary set (see ``Facets``).

@@ -35,7 +35,7 @@ class StretchedVertices(VertexMapping):
 
     def __init__(self, setting: Setting) -> None:
         self.dim = setting.grid.dim
-        self._edges = np.ascontiguousarray(setting.domains_edges)
+        self._edges = setting.domains_edges
         n, count = len(setting.particles), 2**self.dim
         corners = np.arange(n * count, dtype=np.int32).reshape(n, count)
         self._all = np.arange(n, dtype=np.int32)
@@ -84,7 +84,8 @@ class ConvectedVertices(VertexMapping):
         self, setting: Setting, enriched: np.ndarray, on_inversion: str, hourglass: float = 0.0
     ) -> None:
         self.dim, self._on_inversion = setting.grid.dim, on_inversion
-        self._edges = np.ascontiguousarray(setting.domains_edges)
+        # Needed only for domains that fall back.
+        self._edges = setting.domains_edges if on_inversion == "cpdi1" else np.zeros((0, 3, 3))
         self._shared = len(setting.vertices)
         self.fallen = np.zeros(0, dtype=np.int32)
         vertices = Vertices(setting.vertices, setting.connectivity, setting.kind)
@@ -141,7 +142,7 @@ class ConvectedVertices(VertexMapping):
         return self.nodes.on_grid + np.searchsorted(self.vertices.enriched, vertices)
 
     def permute(self, order: np.ndarray) -> None:
-        self._edges = np.ascontiguousarray(self._edges[order])
+        self._edges = self._edges[order] if len(self._edges) else self._edges
         rank = np.empty_like(order)
         rank[order] = np.arange(len(order))
         self.fallen = rank[self.fallen]

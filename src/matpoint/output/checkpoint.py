@@ -62,6 +62,10 @@ class Checkpoint:
         if isinstance(error, KeyboardInterrupt):
             self.write(sim)
 
+    def buffer(self, sim: Simulation) -> int:
+        """Return the bytes that writing takes: the file, held until it is whole."""
+        return sum(a.nbytes for a in sim.state_arrays().values())
+
 
 def resume(sim: Simulation, path: Path | str) -> None:
     """Take up a checkpoint in a simulation made from the same case.

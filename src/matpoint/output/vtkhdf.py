@@ -163,6 +163,13 @@ class VTKHDF:
     def close(self, sim: Simulation, error: BaseException | None) -> None:
         """Nothing is left open between steps."""
 
+    def buffer(self, sim: Simulation) -> int:
+        """Return the bytes that writing takes: fields, topology, and the file until it is whole."""
+        fields = _fields(sim)
+        if sim.vertices is not None:
+            fields |= _domain_fields(sim, sim.vertices)
+        return 2 * sum(a.nbytes for a in (*fields.values(), *self._topology(sim)))
+
     # -- helpers -----------------------------------------------------------------------------
 
     @staticmethod
