@@ -75,13 +75,15 @@ def forecast(
     share = 1.0  # vertices a particle, against those of the small block
     if sim.vertices is not None and len(sim.vertices) < n * 2**grid.dim:
         share = (vertices / count) / (len(sim.vertices) / n)
-    node_bytes = 0.0
+    per_node: dict[str, float] = dict.fromkeys(("records", "transfers"), 0.0)
     nodes = sim.engine.mapping.nodes
-    rows = len(nodes.records)
+    rows, cells = len(nodes.records), math.prod(sim.grid.cells)
     for group, _, array in held(sim):
         if group == "nodes":
-            node_bytes += array.nbytes / rows
+            per_node["records"] += array.nbytes / rows
             each["domains"] += (rows - nodes.on_grid) / n * array.nbytes / rows  # enriched vertices
+        elif len(array) in (nodes.on_grid, cells, cells + 1):
+            per_node["transfers"] += array.nbytes / nodes.on_grid
         else:
             own = group == "domains" and array.shape[0] != n
             each[group] += array.nbytes / n * (share if own else 1.0)
@@ -91,7 +93,7 @@ def forecast(
     total = math.prod(float(cells + more) for cells, more in zip(grid.cells, extra, strict=False))
     return Forecast(
         Need(count, {k: v for k, v in each.items() if v > 0}),
-        Need(total, {"records": node_bytes, "set-up": _NODE_SETUP}),
+        Need(total, {**{k: v for k, v in per_node.items() if v > 0}, "set-up": _NODE_SETUP}),
         free_memory(),
     )
 
