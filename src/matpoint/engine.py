@@ -228,7 +228,8 @@ class Engine:
         p = self.particles
         found = []
         for law, index in zip(self._laws, self.groups, strict=True):
-            a, b = np.searchsorted(index, (start, stop))
+            whole = len(index) == len(p)
+            a, b = (start, stop) if whole else np.searchsorted(index, np.array([start, stop], dtype=np.int32))
             found.append(
                 law(
                     index, a, b, p.deformation_gradient, start, gradient, p.volume0, p.volume, p.state,

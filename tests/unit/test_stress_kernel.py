@@ -41,7 +41,7 @@ def passed(a):
 def test_kernel_equals_numpy(case):
     material, dt = case.material, 1e-3
     given, a = arrays(material), arrays(material)
-    index = np.array([3, 17, 0, 39, 8, 21, 5], dtype=np.int64)
+    index = np.array([3, 17, 0, 39, 8, 21, 5], dtype=np.int32)
     assert stress_kernel(material)(index, 1, 6, *passed(a), dt) == -1
     used = len(material.state_variables)
     done = set(index[1:6])
@@ -64,7 +64,7 @@ def test_a_bad_particle_is_named_and_left_alone(bad):
     material = CASES["neo-hookean"].material
     given, a = arrays(material), arrays(material)
     a["L"][9] = bad
-    index = np.array([4, 9, 2], dtype=np.int64)
+    index = np.array([4, 9, 2], dtype=np.int32)
     assert stress_kernel(material)(index, 0, 3, *passed(a), 1e-3) == 9
     assert np.array_equal(a["F"][9], given["F"][9])
     assert not a["stress"][[9, 2]].any()
@@ -82,7 +82,7 @@ def test_a_stress_that_is_not_finite_is_found():
     a["L"][:] = 0.0
     a["F"][2, 0, 0] = 1.1
     kernel = stress_kernel(UserMaterial(fragile, {"k": 1.0}, 1.0, modulus=1.0))
-    assert kernel(np.arange(3), 0, 3, *passed(a), 1e-3) == 2
+    assert kernel(np.arange(3, dtype=np.int32), 0, 3, *passed(a), 1e-3) == 2
     assert not a["stress"][2].any()
 
 
@@ -107,7 +107,7 @@ def test_two_users_laws_with_like_parameters_stay_apart():
     for law, expected in ((one, 2.0), (ten, 20.0), (one, 2.0)):
         material = UserMaterial(law, {"k": 2.0}, 1.0, modulus=1.0)
         a = arrays(material, 1)
-        assert stress_kernel(material)(np.arange(1), 0, 1, *passed(a), 1e-3) == -1
+        assert stress_kernel(material)(np.arange(1, dtype=np.int32), 0, 1, *passed(a), 1e-3) == -1
         assert a["stress"][0, 0] == expected
 
 
@@ -123,7 +123,7 @@ def test_a_users_law_may_call_jitted_functions_and_be_one():
 
     material = UserMaterial(law, {"k": 3}, 1.0, modulus=1.0)
     a = arrays(material, 2)
-    assert stress_kernel(material)(np.arange(2), 0, 2, *passed(a), 1e-3) == -1
+    assert stress_kernel(material)(np.arange(2, dtype=np.int32), 0, 2, *passed(a), 1e-3) == -1
     np.testing.assert_allclose(a["stress"][:, :3], 11.0)
 
 
@@ -174,4 +174,4 @@ def test_the_kernel_is_a_reusable_callable():
     material = NeoHookean(1e6, 0.3, 1000.0)
     a = arrays(material, 1)
     kernel = stress_kernel(material)
-    assert [kernel(np.arange(1), 0, 1, *passed(a), 0.0) for _ in range(2)] == [-1, -1]
+    assert [kernel(np.arange(1, dtype=np.int32), 0, 1, *passed(a), 0.0) for _ in range(2)] == [-1, -1]

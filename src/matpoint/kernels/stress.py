@@ -66,7 +66,7 @@ def update_stress(params, index, start, stop, F, first, L, volume0, volume, stat
     params
         Named tuple of the material's parameters; its class chooses the law.
     index, start, stop
-        Particles of one material, int64 (m,), and the range of them to do.
+        Particles of one material, int32 (m,), and the range of them to do.
     F
         Deformation gradients (updated), (n, 3, 3).
     first, L
@@ -133,7 +133,7 @@ def stress_kernel(material: _HasLaw) -> Callable[..., int]:
     state = np.empty((0, len(material.state_variables)))
     try:  # no particles: this only compiles, or loads from the cache
         compiled(
-            params, np.empty(0, np.int64), 0, 0, tensors, 0, tensors, none, none, state, np.empty((0, 6)), 0.0
+            params, np.empty(0, np.int32), 0, 0, tensors, 0, tensors, none, none, state, np.empty((0, 6)), 0.0
         )
     except NumbaError as error:
         law: Any = law_of(params)
