@@ -71,10 +71,10 @@ def measured(
         if isinstance(kind, Kind):
             result[some] = measure(vertices[cells[some]], kind)
             continue
-        for one in np.unique(kind[some]):
+        for one in Kind:
             rows = start + np.flatnonzero(kind[some] == one)
-            shaped = Kind(int(one))
-            result[rows] = measure(vertices[cells[rows, : shaped.corners]], shaped)
+            if len(rows):
+                result[rows] = measure(vertices[cells[rows, : one.corners]], one)
     return result
 
 
