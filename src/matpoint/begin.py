@@ -91,7 +91,10 @@ def _send(setting: Setting, mapping: Mapping, position: np.ndarray, corners: np.
     for k in range(grid.dim):  # rounding may put a point a hair out of the box
         np.clip(position[:, k], grid.lower[k], grid.upper[k], out=position[:, k])
     following = getattr(mapping, "position_next", None)
-    (setting.particles.position if following is None else following)[:] = position
+    if following is None:
+        setting.particles.position[:] = position
+    elif len(following):  # else particles are where their corners are
+        following[:] = position
     vertices = mapping.vertices
     if vertices is not None and len(vertices) == len(corners):
         vertices.position_next[:] = corners

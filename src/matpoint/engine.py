@@ -7,6 +7,7 @@ which of its methods run, and in which order.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from matpoint.errors import MatpointError, NotFiniteError, RunError
 from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Held, Mapping, ParticleError
+from matpoint.kernels import EVERY_POINT
 from matpoint.kernels.ledger import sum_loads
 from matpoint.kernels.nodes import constrain, solve, solve_extra
 from matpoint.loads import Damping, Loads
@@ -64,8 +66,10 @@ class Engine:
 
     def list_materials(self) -> None:
         """List the particles of each material; needed after any change of order."""
-        material = self.particles.material
-        self.groups = [np.flatnonzero(material == k).astype(np.int32) for k in range(len(self.materials))]
+        material, count = self.particles.material, len(self.materials)
+        self.groups = [np.flatnonzero(material == k).astype(np.int32) for k in range(count)]
+        if count == 1:
+            self.groups = [EVERY_POINT]
 
     def over_materials(self, call: Callable[[Material, Particles, Rows], T]) -> list[T]:
         """Call a function on blocks of the particles of each material; return the results in order.
@@ -74,13 +78,13 @@ class Engine:
         """
         p, results = self.particles, []
         for material, index in zip(self.materials, self.groups, strict=True):
-            whole = len(index) == len(p)  # then a slice makes no copies
+            whole = index is EVERY_POINT  # then a slice makes no copies
 
             def blocks(a: int, b: int, m=material, index=index, whole=whole) -> list[T]:
                 edges = [(c, min(c + BLOCK, b)) for c in range(a, b, BLOCK)]
                 return [call(m, p, slice(c, d) if whole else index[c:d]) for c, d in edges]
 
-            for part in self.team.blocks(len(index), blocks):
+            for part in self.team.blocks(len(p) if whole else len(index), blocks):
                 results += part
         return results
 
@@ -194,20 +198,17 @@ class Engine:
 
     def advance(self) -> None:
         """Take the next positions, bring the domains along, and book the loads' work."""
-        p = self.particles
-        before, v = p.position, self.mapping.vertices
+        v = self.mapping.vertices
         corners_before = None if v is None else v.position
+        sums = np.zeros((-(-len(self.particles) // BLOCK), 7))
+        loaded = bool(self.body.any())
         try:
-            self.mapping.advance()
+            self.mapping.advance(partial(self._book_loads, sums) if loaded else None)
         except ParticleError as fault:
             raise self.fail(fault.particle, fault.cause) from None
-        if self.body.any():
-            sums = self.team.sums(
-                len(p),
-                7,
-                lambda a, b, block, out: sum_loads(a, b, block, p.mass, self.body, before, p.position, out),
-            )
-            self.external += sums * np.array([self.dt, self.dt, self.dt, 1.0, self.dt, self.dt, self.dt])
+        if loaded:
+            dt = self.dt
+            self.external += sums.sum(axis=0) * np.array([dt, dt, dt, 1.0, dt, dt, dt])
         v = self.mapping.vertices
         if self._pushes and v is not None and corners_before is not None:
             book_pushes(self._pushes, corners_before, v.position, self.dt, self.external)
@@ -217,6 +218,10 @@ class Engine:
     def _box(self) -> BoxMapping:
         assert isinstance(self.mapping, BoxMapping)  # refused for others when the run was set up
         return self.mapping
+
+    def _book_loads(self, sums: np.ndarray, start: int, stop: int, before: np.ndarray) -> None:
+        p = self.particles
+        sum_loads(start, stop, BLOCK, p.mass, self.body, before, p.position, sums)
 
     def _return(self, flip: float, *, move: bool, deform: bool) -> None:
         bad = self.mapping.to_particles(self.dt, flip, move=move, deform=self._deform if deform else None)
@@ -228,8 +233,9 @@ class Engine:
         p = self.particles
         found = []
         for law, index in zip(self._laws, self.groups, strict=True):
-            whole = len(index) == len(p)
-            a, b = (start, stop) if whole else np.searchsorted(index, np.array([start, stop], dtype=np.int32))
+            a, b = start, stop
+            if index is not EVERY_POINT:
+                a, b = np.searchsorted(index, np.array([start, stop], dtype=np.int32))
             found.append(
                 law(
                     index, a, b, p.deformation_gradient, start, gradient, p.volume0, p.volume, p.state,

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 
 from matpoint.grid import Grid
+from matpoint.kernels import EVERY_POINT
 from matpoint.kernels.locate import cell_keys, place_by_key, slab_keys, survey
 from matpoint.nodes import Nodes
 from matpoint.threads import Team
 
-EVERY_POINT = np.zeros(0, dtype=np.int32)
 _MOST_PIECES = 16  # each has counts of its own
 
 # Finds the keys of points start:stop and counts them.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import partial
@@ -60,6 +61,7 @@ class Team:
         if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1024:
             raise InputError(f"threads = {threads!r} must be a whole number from 1 to 1024")
         self.threads = count
+        self._own = threading.local()
         # Only if they are to fill all processors: fewer are left to the system, which knows what else runs.
         bind = hasattr(os, "sched_setaffinity") and count == available_threads()
         self._pool = None
@@ -98,6 +100,13 @@ class Team:
     def split(self, count: int, call: Callable[[int, int], Any], each: int = 1) -> list[Any]:
         """Call ``call(start, stop)`` on the pieces of range(count); return the results in order."""
         return self.map(lambda _, a, b: call(a, b), self.pieces(count, each=each))
+
+    def scratch(self, *shape: int) -> np.ndarray:
+        """Return an array of the calling thread's own, with anything in it: the same one every time."""
+        held = self._own.__dict__.setdefault("arrays", {})
+        if shape not in held:
+            held[shape] = np.empty(shape)
+        return held[shape]
 
     def sums(self, count: int, width: int, call: Callable[[int, int, int, np.ndarray], Any]) -> np.ndarray:
         """Return sums over range(count), shape (width,): to the last bit the same for any threads.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from matpoint.kernels import EVERY_POINT
 from matpoint.kernels.corners import CORNERS, corner_weights
 from matpoint.kernels.vector import records
 from matpoint.kernels.vertex import independent_blocks
@@ -29,7 +30,8 @@ class Vertices:
     edges : ndarray of int64
         Run k of particles is edges[k]:edges[k + 1]; runs two or more apart share no vertex.
     enriched : ndarray of int64
-        The vertices that are degrees of freedom of their own; ``ordinary`` are the others.
+        The vertices that are degrees of freedom of their own; ``ordinary`` are the others, ``EVERY_POINT`` if
+        that is all of them.
     """
 
     def __init__(self, position: np.ndarray, connectivity: np.ndarray, kind: np.ndarray) -> None:
@@ -42,7 +44,7 @@ class Vertices:
         self.records = records(len(position))
         self.flat = self.records.reshape(-1)
         self.enriched = np.zeros(0, dtype=np.int64)
-        self.ordinary = np.arange(len(position), dtype=np.int32)
+        self.ordinary = EVERY_POINT
         self.link()
 
     def __len__(self) -> int:
@@ -51,7 +53,8 @@ class Vertices:
     def enrich(self, vertices: np.ndarray) -> None:
         """Make these vertices degrees of freedom of their own."""
         self.enriched = np.asarray(vertices, dtype=np.int64)
-        self.ordinary = np.setdiff1d(np.arange(len(self), dtype=np.int32), self.enriched)
+        if len(self.enriched):
+            self.ordinary = np.setdiff1d(np.arange(len(self), dtype=np.int32), self.enriched)
 
     @property
     def is_enriched(self) -> np.ndarray:
@@ -97,7 +100,8 @@ class Vertices:
             setattr(self, name, np.concatenate([getattr(self, name), position0]))
         self.records = records(old + count)
         self.flat = self.records.reshape(-1)
-        self.ordinary = np.append(self.ordinary, np.arange(old, old + count, dtype=np.int32))
+        if self.ordinary is not EVERY_POINT:
+            self.ordinary = np.append(self.ordinary, np.arange(old, old + count, dtype=np.int32))
         self.link()
 
     def initial_weights(self) -> np.ndarray:

@@ -22,7 +22,8 @@ def _dented(interpolation, dim):
     opposite = v.connectivity[particle, {1: 1, 2: 2, 3: 6}[dim]]
     v.position[corner] += 1.2 * (v.position[opposite] - v.position[corner])
     v.position_next[:] = v.position
-    sim.engine.mapping.position_next[:] = sim.particles.position
+    if len(sim.engine.mapping.position_next):
+        sim.engine.mapping.position_next[:] = sim.particles.position
     return sim, particle
 
 

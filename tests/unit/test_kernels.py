@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from matpoint.grid import Grid
-from matpoint.kernels import box, corners, ledger, locate, nodes, vector, vertex
+from matpoint.kernels import EVERY_POINT, box, corners, ledger, locate, nodes, vector, vertex
 from matpoint.kernels.fields import per_particle
 from matpoint.kernels.order import reorder
 from matpoint.kernels.stretch import stretch_boxes
 from matpoint.nodes import Nodes, gimp_axis, hat_axis, spline_axis
-from matpoint.sorting import EVERY_POINT, Slabs, cell_order
+from matpoint.sorting import Slabs, cell_order
 from matpoint.threads import Team
 from reference import weights as reference
 

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from matpoint.grid import Grid
-from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting
+from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting
 from matpoint.kernels import box as kernels
 from matpoint.nodes import Axis, Nodes
 from matpoint.sorting import Slabs, box_of
@@ -123,9 +123,8 @@ class BoxMapping(Mapping):
             ),
         )  # fmt: skip
 
-    def advance(self) -> None:
-        p = self.particles
-        p.position, self.position_next = self.position_next, p.position
+    def advance(self, book: Book | None = None) -> None:
+        self.tell(book, self.swap_positions())
 
     def permute(self, order: np.ndarray) -> None:
         if len(self.half) > 1:

@@ -23,12 +23,13 @@ from matpoint.measures import edge_vectors, half_lengths, measured
 from matpoint.nodes import Nodes
 from matpoint.particles import Particles
 from matpoint.places import Corners, Surface
-from matpoint.threads import Team
+from matpoint.threads import BLOCK, Team
 from matpoint.vertices import Vertices
 
 #: ``deform(start, stop, gradient)`` deforms particles start:stop; it returns the first that can't be, or -1.
 Deform = Callable[[int, int, np.ndarray], int]
-_BLOCK = 16384  # particles whose gradients, 1.2 MB, stay in a processor's cache
+#: ``book(start, stop, before)`` is told where particles start:stop were before the step, (m, 3) [m].
+Book = Callable[[int, int, np.ndarray], object]
 
 
 class ParticleError(Exception):
@@ -197,9 +198,9 @@ class Mapping(ABC):
         self.nodes_to_vertices()
 
         def piece(start: int, stop: int) -> int:
-            gradient = np.empty((min(_BLOCK, stop - start) if deform else 0, 3, 3))
-            for a in range(start, stop, _BLOCK):
-                b = min(a + _BLOCK, stop)
+            gradient = self.team.scratch(min(BLOCK, len(self.particles)) if deform else 0, 3, 3)
+            for a in range(start, stop, BLOCK):
+                b = min(a + BLOCK, stop)
                 self.bring(a, b, dt, flip, gradient, move=move, differentiate=deform is not None)
                 bad = -1 if deform is None else deform(a, b, gradient)
                 if bad >= 0:
@@ -212,8 +213,23 @@ class Mapping(ABC):
         return bad
 
     @abstractmethod
-    def advance(self) -> None:
-        """Take the next positions and bring the domains to the end of the step."""
+    def advance(self, book: Book | None = None) -> None:
+        """Take the next positions and bring the domains to the end of the step.
+
+        ``book`` is called for blocks of particles, in any order and on any thread, that begin at multiples of
+        ``BLOCK``.
+        """
+
+    def swap_positions(self) -> np.ndarray:
+        """Let the next positions be the present ones; return those before, (n, 3) [m]."""
+        p = self.particles
+        p.position, self.position_next = self.position_next, p.position
+        return self.position_next
+
+    def tell(self, book: Book | None, before: np.ndarray) -> None:
+        """Book all particles, now that they are where the step takes them."""
+        if book is not None:
+            self.team.blocks(len(self.particles), lambda a, b: book(a, b, before[a:b]))
 
     @abstractmethod
     def permute(self, order: np.ndarray) -> None:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
 
 from matpoint.errors import InputError
-from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting, first_fault
+from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting
 from matpoint.interpolation.hourglass import HourglassControl
 from matpoint.interpolation.vertex import VertexMapping
 from matpoint.kernels.corners import SIGNS, corner_weights, parallelepipeds
 from matpoint.kernels.vertex import move_vertices
 from matpoint.quality import altitudes
+from matpoint.threads import BLOCK
 from matpoint.vertices import Vertices
 
 
@@ -92,8 +94,10 @@ class ConvectedVertices(VertexMapping):
         vertices.enrich(np.union1d(enriched, setting.held))
         self._hourglass = HourglassControl(vertices, setting, hourglass) if hourglass > 0 else None
         super().__init__(setting, vertices)
+        if on_inversion == "stop":  # else particles whose domains have fallen back go on by themselves
+            self.position_next = np.zeros((0, 3))
 
-    def update_domains(self) -> None:
+    def update_domains(self, book: Book | None = None) -> None:
         p = self.particles
         own = p.position[self.fallen]
         while True:
@@ -102,13 +106,8 @@ class ConvectedVertices(VertexMapping):
                 0, len(self.fallen), self.fallen, self._shared, self.dim, p.position,
                 p.deformation_gradient, self._edges, v.position, v.weights,
             )  # fmt: skip
-            turned = first_fault(
-                self.team,
-                len(p),
-                lambda a, b, v=v: corner_weights(
-                    a, b, v.kind, v.connectivity, v.position, v.weights, p.position
-                ),
-            )
+            found = self.team.blocks(len(p), partial(self._weigh, book))
+            turned = min((q for q in found if q >= 0), default=-1)
             if turned < 0:
                 # A fallen domain is built around its particle: the centroid would only add rounding.
                 p.position[self.fallen[: len(own)]] = own
@@ -120,6 +119,21 @@ class ConvectedVertices(VertexMapping):
                     ' step, or let such domains fall back with on_inversion = "cpdi1"',
                 )
             self._fall_back(turned)
+
+    def _weigh(self, book: Book | None, start: int, stop: int) -> int:
+        """Weights and centroids of domains start:stop; return the first that has turned over, or -1."""
+        p, v = self.particles, self.vertices
+        for a in range(start, stop, BLOCK):
+            b = min(a + BLOCK, stop)
+            before = self.team.scratch(BLOCK, 3)[: b - a]
+            if book is not None:
+                before[:] = p.position[a:b]
+            turned = corner_weights(a, b, v.kind, v.connectivity, v.position, v.weights, p.position)
+            if turned >= 0:
+                return turned
+            if book is not None:
+                book(a, b, before)
+        return -1
 
     def _fall_back(self, particle: int) -> None:
         """Give a particle a parallelepiped of its own instead of shared corners."""
@@ -152,10 +166,13 @@ class ConvectedVertices(VertexMapping):
         v = self.vertices
         self.team.split(len(v), lambda a, b: move_vertices(a, b, v.flat, v.position, v.position_next, dt))
 
-    def advance(self) -> None:
+    def advance(self, book: Book | None = None) -> None:
         v = self.vertices
         v.position, v.position_next = v.position_next, v.position
-        super().advance()
+        if len(self.position_next):
+            super().advance(book)
+        else:
+            self.update_domains(book)
 
     def state(self) -> dict[str, np.ndarray]:
         v = self.vertices

@@ -10,7 +10,7 @@ import numpy as np
 from matpoint.errors import InputError
 from matpoint.grid import Grid
 from matpoint.interpolation.box import BoxMapping
-from matpoint.interpolation.contract import Interpolation, Mapping, ParticleError, Setting, first_fault
+from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting, first_fault
 from matpoint.kernels.locate import find_stretched
 from matpoint.kernels.stretch import longest_box, stretch_boxes
 from matpoint.nodes import Axis, gimp_axis
@@ -82,8 +82,8 @@ class _StretchedMapping(BoxMapping):
         if lost >= 0:
             raise ParticleError(lost, f"its domain reaches more than {_BELOW} cells out of the grid")
 
-    def advance(self) -> None:
-        super().advance()
+    def advance(self, book: Book | None = None) -> None:
+        super().advance(book)
         F = self.particles.deformation_gradient
         bad = first_fault(
             self.team,

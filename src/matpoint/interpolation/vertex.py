@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 
 from matpoint.interpolation.box import LEFT, wide_bounds
-from matpoint.interpolation.contract import Mapping, ParticleError, Setting
+from matpoint.interpolation.contract import Book, Mapping, ParticleError, Setting
 from matpoint.kernels import vertex as kernels
 from matpoint.kernels.faces import add_forces
 from matpoint.nodes import Nodes, hat_axis
-from matpoint.sorting import EVERY_POINT, Slabs, box_of
+from matpoint.sorting import Slabs, box_of
 from matpoint.vertices import Vertices
 
 _PAD = 2  # cells beyond the box, where corners of domains may reach
@@ -45,7 +45,7 @@ class VertexMapping(Mapping):
     def make_slabs(self) -> Slabs:
         """Return slabs of the vertices that scatter to the grid."""
         v = self.vertices
-        return Slabs(self.nodes, self.team, len(v), v.ordinary if len(v.enriched) else EVERY_POINT)
+        return Slabs(self.nodes, self.team, len(v), v.ordinary)
 
     def update_domains(self) -> None:
         """Bring corner positions, corner weights and centroids in line; raise ParticleError."""
@@ -120,10 +120,10 @@ class VertexMapping(Mapping):
         for vertices, force in self._loads:
             add_forces(vertices, force, self.vertices.flat)
 
-    def advance(self) -> None:
-        p = self.particles
-        p.position, self.position_next = self.position_next, p.position
+    def advance(self, book: Book | None = None) -> None:
+        before = self.swap_positions()
         self.update_domains()
+        self.tell(book, before)
 
     def permute(self, order: np.ndarray) -> None:
         self.vertices.permute_particles(order)

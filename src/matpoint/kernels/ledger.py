@@ -49,15 +49,15 @@ def sum_moments(start, stop, block, mass, moment, sums):
 def sum_loads(start, stop, block, mass, body, before, after, sums):
     """Sum force (3) [N], work (1) [J] and moment (3) [N m] of the loads: sums (blocks, 7).
 
-    ``body`` is the force per mass [m/s^2], (n, 3) or (1, 3); ``before`` and ``after`` are positions at
-    both ends of the step.
+    ``body`` is the force per mass [m/s^2], (n, 3) or (1, 3); ``before``, of particles start to stop only, and
+    ``after`` are positions at both ends of the step.
     """
     for first in range(start, stop, block):
         px, py, pz, work, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for p in range(first, min(first + block, stop)):
             g = p if body.shape[0] > 1 else 0
             fx, fy, fz = mass[p] * body[g, 0], mass[p] * body[g, 1], mass[p] * body[g, 2]
-            x, y, z = before[p, 0], before[p, 1], before[p, 2]
+            x, y, z = before[p - start, 0], before[p - start, 1], before[p - start, 2]
             px, py, pz = px + fx, py + fy, pz + fz
             work += fx * (after[p, 0] - x) + fy * (after[p, 1] - y) + fz * (after[p, 2] - z)
             mx, my, mz = mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx

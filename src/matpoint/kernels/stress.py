@@ -66,7 +66,7 @@ def update_stress(params, index, start, stop, F, first, L, volume0, volume, stat
     params
         Named tuple of the material's parameters; its class chooses the law.
     index, start, stop
-        Particles of one material, int32 (m,), and the range of them to do.
+        Particles of one material, int32 (m,), or ``EVERY_POINT``, and the range of them to do.
     F
         Deformation gradients (updated), (n, 3, 3).
     first, L
@@ -88,7 +88,7 @@ def update_stress(params, index, start, stop, F, first, L, volume0, volume, stat
         may have been touched by the law), and the particles after it are not done.
     """
     for k in range(start, stop):
-        p = index[k]
+        p = index[k] if index.shape[0] > 0 else k
         F_old = load(F, p)
         L_p = load(L, p - first)
         F_new = dot(increment(L_p, dt), F_old)

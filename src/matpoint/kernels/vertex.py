@@ -122,7 +122,8 @@ def vertices_to_particles(
         for a in range(3):
             if move:
                 v[p, a] = flip * (v[p, a] + lane(value, a + 4)) + (1.0 - flip) * lane(value, a)
-                x_next[p, a] = x[p, a] + dt * lane(value, a)
+                if x_next.shape[0] > 0:  # else the particle is where its corners are
+                    x_next[p, a] = x[p, a] + dt * lane(value, a)
             if differentiate:
                 gradient[p - start, a, 0] = lane(along_x, a)
                 gradient[p - start, a, 1] = lane(along_y, a)
