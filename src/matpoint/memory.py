@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import os
+from contextlib import suppress
 
 from matpoint.errors import InputError
 
@@ -37,6 +39,16 @@ def _machine() -> float:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):
         return math.inf
+
+
+def give_back() -> None:
+    """Give memory that nothing uses any more back to the system, where the C library can (glibc).
+
+    It keeps what has been freed in pieces below 32 MB for the next request, which after setting up a million
+    particles is a tenth of all that they need.
+    """
+    with suppress(OSError, AttributeError, TypeError):
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 def refuse_size(

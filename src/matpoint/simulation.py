@@ -24,6 +24,7 @@ from matpoint.interpolation.contract import Interpolation, ParticleError, Settin
 from matpoint.ledger import Ledger, take_entry
 from matpoint.loads import Damping, Load, Loads, NoDamping
 from matpoint.materials import Material
+from matpoint.memory import give_back
 from matpoint.particles import Particles
 from matpoint.places import Corners, Surface
 from matpoint.quantities import QUANTITIES
@@ -143,6 +144,7 @@ class Simulation:
         self.engine.dt = self._first_step()
         entry = take_entry(self.engine)
         self.ledger = Ledger(entry, entry)
+        give_back()
 
     # -- what it is --------------------------------------------------------------------------
 
