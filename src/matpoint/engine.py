@@ -220,8 +220,9 @@ class Engine:
         return self.mapping
 
     def _book_loads(self, sums: np.ndarray, start: int, stop: int, before: np.ndarray) -> None:
-        p = self.particles
-        sum_loads(start, stop, BLOCK, p.mass, self.body, before, p.position, sums)
+        p, some = self.particles, slice(start, stop)
+        body = self.body[some] if len(self.body) > 1 else self.body
+        sum_loads(BLOCK, p.mass[some], body, before, p.position[some], sums[start // BLOCK :])
 
     def _return(self, flip: float, *, move: bool, deform: bool) -> None:
         bad = self.mapping.to_particles(self.dt, flip, move=move, deform=self._deform if deform else None)

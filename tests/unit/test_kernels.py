@@ -425,7 +425,7 @@ def test_sums_of_loads(rows):
     m, body = rng.uniform(1, 2, 5), rng.normal(size=(rows, 3))
     before, after = rng.normal(size=(5, 3)), rng.normal(size=(5, 3))
     sums = np.full((3, 7), np.nan)
-    ledger.sum_loads(0, 5, 2, m, body, before, after, sums)
+    ledger.sum_loads(2, m, body, before, after, sums)
     force = m[:, None] * body
     total = sums.sum(axis=0)
     np.testing.assert_allclose(total[:3], force.sum(axis=0))

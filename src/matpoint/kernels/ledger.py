@@ -6,10 +6,10 @@ the last bit however many threads there are.
 
 from __future__ import annotations
 
-from matpoint.jit import kernel
+from matpoint.jit import summing_kernel
 
 
-@kernel
+@summing_kernel
 def sum_motion(start, stop, block, mass, position, velocity, sums):
     """Sum mass [kg], momentum (3), angular momentum (3) and m v.v (8 numbers) of particles start to stop.
 
@@ -31,7 +31,7 @@ def sum_motion(start, stop, block, mass, position, velocity, sums):
         sums[row, 4], sums[row, 5], sums[row, 6] = mx, my, mz
 
 
-@kernel
+@summing_kernel
 def sum_moments(start, stop, block, mass, moment, sums):
     """Sum what APIC's B = sum w v (x_i - x_p)^T adds to the angular momentum: sums (blocks, 3)."""
     for first in range(start, stop, block):
@@ -45,19 +45,19 @@ def sum_moments(start, stop, block, mass, moment, sums):
         sums[row, 0], sums[row, 1], sums[row, 2] = mx, my, mz
 
 
-@kernel
-def sum_loads(start, stop, block, mass, body, before, after, sums):
+@summing_kernel
+def sum_loads(block, mass, body, before, after, sums):
     """Sum force (3) [N], work (1) [J] and moment (3) [N m] of the loads: sums (blocks, 7).
 
-    ``body`` is the force per mass [m/s^2], (n, 3) or (1, 3); ``before``, of particles start to stop only, and
-    ``after`` are positions at both ends of the step.
+    ``body`` is the force per mass [m/s^2], (n, 3) or (1, 3); ``before`` and ``after`` are positions at
+    both ends of the step.
     """
-    for first in range(start, stop, block):
+    for first in range(0, mass.shape[0], block):
         px, py, pz, work, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for p in range(first, min(first + block, stop)):
+        for p in range(first, min(first + block, mass.shape[0])):
             g = p if body.shape[0] > 1 else 0
             fx, fy, fz = mass[p] * body[g, 0], mass[p] * body[g, 1], mass[p] * body[g, 2]
-            x, y, z = before[p - start, 0], before[p - start, 1], before[p - start, 2]
+            x, y, z = before[p, 0], before[p, 1], before[p, 2]
             px, py, pz = px + fx, py + fy, pz + fz
             work += fx * (after[p, 0] - x) + fy * (after[p, 1] - y) + fz * (after[p, 2] - z)
             mx, my, mz = mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx
