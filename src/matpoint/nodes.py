@@ -9,7 +9,7 @@ import numpy as np
 
 from matpoint.grid import Grid
 from matpoint.kernels.nodes import clear
-from matpoint.kernels.rows import Absent, Cubic, Gimp, Hat, Quadratic
+from matpoint.kernels.rows import Absent, Cubic, EqualGimp, Gimp, Hat, Quadratic
 from matpoint.kernels.vector import records
 from matpoint.threads import Team
 
@@ -35,10 +35,17 @@ def hat_axis(grid: Grid, k: int, below: int, above: int) -> Axis:
     return Axis(Hat(origin, 1.0 / h, cells), origin + h * np.arange(cells + 1), 2)
 
 
-def gimp_axis(grid: Grid, k: int, below: int, above: int, reach: int) -> Axis:
-    """Return averaged hats on axis ``k``; ``reach`` nodes see a particle."""
+def gimp_axis(grid: Grid, k: int, below: int, above: int, reach: int, half: float | None = None) -> Axis:
+    """Return averaged hats on axis ``k``; ``reach`` nodes see a particle.
+
+    ``half`` [m] is the half-length of all boxes if they are of one size.
+    """
     hats = hat_axis(grid, k, below, above)
-    return Axis(Gimp(hats.row.origin, hats.row.inverse, (0.0,) * reach), hats.coordinates, reach)
+    origin, inverse, zeros = hats.row.origin, hats.row.inverse, (0.0,) * reach
+    row = Gimp(origin, inverse, zeros)
+    if half is not None:
+        row = EqualGimp(origin, inverse, half * inverse, 0.5 / (half * inverse), zeros)
+    return Axis(row, hats.coordinates, reach)
 
 
 def spline_axis(grid: Grid, k: int, degree: int) -> Axis:
@@ -124,8 +131,8 @@ class Nodes:
         """
         reach = np.array(self.reach)
         below, above = self.cells_of(low, high)
-        first = np.clip(below - reach, 0, self.shape)
-        last = np.clip(above + reach + 1, 0, self.shape)
+        first = np.clip(below - reach // 2, 0, self.shape)
+        last = np.clip(above + reach, 0, self.shape)
         block = tuple(first.tolist()), tuple(last.tolist())
         if block != (self.first, self.last):
             clear(self.flat, self.first[0], self.last[0], *self.shape[1:], self.first, self.last)

@@ -39,12 +39,14 @@ def _axes(name, dim):
     if name.startswith("gimp"):
         reach = int(name[-1])
         half = np.array(GRID.cell) * {3: 0.25, 5: 1.1}[reach]
+        if name.startswith("gimp-equal"):
+            return [gimp_axis(GRID, k, 3, 8, reach, half[k]) for k in range(dim)], half[None]
         return [gimp_axis(GRID, k, 3, 8, reach) for k in range(dim)], np.tile(half, (9, 1))
     return [spline_axis(GRID, k, int(name[-1])) for k in range(dim)], np.zeros((1, 3))
 
 
 @pytest.mark.parametrize("dim", [1, 2, 3])
-@pytest.mark.parametrize("name", ["hat", "gimp3", "gimp5", "spline2", "spline3"])
+@pytest.mark.parametrize("name", ["hat", "gimp3", "gimp5", "gimp-equal3", "spline2", "spline3"])
 def test_box_transfers(name, dim):
     rng = np.random.default_rng(7)
     n = 9

@@ -40,12 +40,6 @@ def _axes(grid: Grid, reach: int) -> list[Axis]:
     return [gimp_axis(grid, k, _BELOW, _ABOVE, reach) for k in range(grid.dim)]
 
 
-def _shared(half: np.ndarray) -> np.ndarray:
-    """One row for all boxes of one size [m], shape (1, 3), or a copy of them all."""
-    same = np.ptp(half, axis=0).max() <= _SAME * half.max()
-    return half[:1].copy() if same else half.copy()
-
-
 @dataclass(frozen=True)
 class UGIMP(Interpolation):
     """Boxes that keep their initial size (uGIMP)."""
@@ -57,8 +51,12 @@ class UGIMP(Interpolation):
         return "ugimp"
 
     def bind(self, setting: Setting) -> Mapping:
-        half = _shared(setting.domains_half)
-        return BoxMapping(setting, _axes(setting.grid, _reach(setting.team, half, setting.grid)), half)
+        half, grid = setting.domains_half, setting.grid
+        reach = _reach(setting.team, half, grid)
+        if np.ptp(half, axis=0).max() > _SAME * half.max():
+            return BoxMapping(setting, _axes(grid, reach), half.copy())
+        axes = [gimp_axis(grid, k, _BELOW, _ABOVE, reach, float(half[0, k])) for k in range(grid.dim)]
+        return BoxMapping(setting, axes, half[:1].copy())
 
 
 class _StretchedMapping(BoxMapping):

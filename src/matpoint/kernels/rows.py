@@ -39,6 +39,16 @@ class Gimp(NamedTuple):
     reach: tuple[float, ...]
 
 
+class EqualGimp(NamedTuple):
+    """``Gimp`` for boxes of one size: ``half`` = l / h, ``share`` = h / 2l."""
+
+    origin: float
+    inverse: float
+    half: float
+    share: float
+    reach: tuple[float, ...]
+
+
 class Quadratic(NamedTuple):
     """Quadratic B-splines with open knots at both ends."""
 
@@ -107,14 +117,22 @@ def _cubic(axis, x, length):
 
 
 def _gimp(axis, x, length):
+    half = length * axis.inverse
+    return _averaged(axis, (x - axis.origin) * axis.inverse, half, 0.5 / half)
+
+
+def _equal_gimp(axis, x, length):
+    return _averaged(axis, (x - axis.origin) * axis.inverse, axis.half, axis.share)
+
+
+@device
+def _averaged(axis, r, half, c):
     """The hat's mean over [x - l, x + l]: one formula for every l / h (methods, section 2).
 
     The lower end v lies in [0, 1), so its integrals are 0 but for the first two; weights sum to 1.
     """
-    r, half = (x - axis.origin) * axis.inverse, length * axis.inverse
     first, last = int(r - half), len(axis.reach) - 1
     u, v = r + half - first, r - half - first
-    c = 0.5 / half
     s = c * axis.inverse
     over = max(u - last + 1.0, 0.0)
     w, d = c * 0.5 * over * over, s * over
@@ -130,7 +148,9 @@ def _gimp(axis, x, length):
     return first, set_item(weights, 0, rest), set_item(slopes, 0, fall)
 
 
-_ROWS = {Absent: _absent, Hat: _hat, Gimp: _gimp, Quadratic: _quadratic, Cubic: _cubic}
+_ROWS = {
+    Absent: _absent, Hat: _hat, Gimp: _gimp, EqualGimp: _equal_gimp, Quadratic: _quadratic, Cubic: _cubic,
+}  # fmt: skip
 
 
 def row(axis: Any, x: float, length: float) -> Any:
