@@ -84,7 +84,7 @@ except mp.RunError as error:
 
 
 @pytest.mark.parametrize(
-    ("limit", "vtk", "file"), [(200_000, 1, "r.vtkhdf"), (60_000, 1000, "c.h5"), (100, 1000, "h.csv")]
+    ("limit", "vtk", "file"), [(200_000, 1, "r.vtkhdf"), (45_000, 1000, "c.h5"), (100, 1000, "h.csv")]
 )
 def test_a_full_disk_ends_the_run_and_leaves_the_steps_before(tmp_path, limit, vtk, file):
     pytest.importorskip("resource")

@@ -172,7 +172,7 @@ def test_particles_level_with_a_cell_s_centre_have_no_column_across_it():
     p.position[:, 1] += grid.cell[1] * rng.uniform(-0.5, 0.5, len(p))
     p.volume[:] = 10.0
     mapping = bind(mp.TLS(boxes=False), setting)
-    mapping.nodes.clear()
+    mapping.nodes.clear(mapping.team)
     mapping.to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=True)
     assert mapping.ranks.max() == 2
     speed = np.abs(mapping.quadrature.velocity).max()

@@ -75,7 +75,7 @@ def test_cpdi2_is_of_second_order_in_the_vortex_before_the_quarter():
 
 
 def test_a_run_that_breaks_says_where_and_keeps_what_it_had():
-    found = norms("mms-1d", "mpm", 64, scheme="usl")
+    found = norms("mms-1d", "mpm", 96, scheme="usl")
     assert found["failed"].startswith("step ")
     assert np.isnan(found["velocity"])
     assert np.isfinite(found["velocity_quarter"])

@@ -59,7 +59,7 @@ class ManufacturedProblem(Problem):
         Time step [s]; 0 takes the problem's own.
     scheme
         Order of a step's stages: "usl", "usf" or "musl"; "" takes USL, and MUSL for plain MPM: under USL it
-        turns a particle inside out long before the end on 64 cells. So do ``mls``, ``imls`` and ``tls``
+        turns a particle inside out long before the end on 96 cells. So do ``mls``, ``imls`` and ``tls``
         where there are free surfaces; they then take MUSL too, which for ``imls`` is T 36.
 
     Raises
