@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -13,26 +14,39 @@ from matpoint.kernels.rows import Absent, Cubic, EqualGimp, Gimp, Hat, Quadratic
 from matpoint.kernels.vector import records
 from matpoint.threads import Team
 
-_LIGHT = 8  # nodes that are as much work as one particle
+_LIGHT = 32  # nodes that are as much work as one particle
 
 
 class Axis:
-    """One axis of the grid as kernels see it: a row type and the coordinates of its nodes [m]."""
+    """One axis of the grid as kernels see it.
 
-    def __init__(self, row: Any, coordinates: np.ndarray, reach: int) -> None:
-        self.row, self.coordinates, self.reach = row, coordinates, reach
+    Attributes
+    ----------
+    row
+        Its row type.
+    coordinates : ndarray
+        Of its nodes [m].
+    reach : int
+        How many nodes a point sees.
+    slab : int
+        Cells of the thinnest slab such that every second one shares no node: a point in cell c sees nodes
+        from c on to c + slab, or, for averaged hats, ``slab`` in all besides those of c.
+    """
+
+    def __init__(self, row: Any, coordinates: np.ndarray, reach: int, slab: int) -> None:
+        self.row, self.coordinates, self.reach, self.slab = row, coordinates, reach, slab
 
 
 def absent_axis() -> Axis:
     """Return an axis that the run does not have: one node, weight 1, gradient 0."""
-    return Axis(Absent(1), np.zeros(1), 1)
+    return Axis(Absent(1), np.zeros(1), 1, 1)
 
 
 def hat_axis(grid: Grid, k: int, below: int, above: int) -> Axis:
     """Return linear hats on axis ``k`` with nodes added beyond both ends of the box."""
     h, cells = grid.cell[k], grid.cells[k] + below + above
     origin = grid.lower[k] - below * h
-    return Axis(Hat(origin, 1.0 / h, cells), origin + h * np.arange(cells + 1), 2)
+    return Axis(Hat(origin, 1.0 / h, cells), origin + h * np.arange(cells + 1), 2, 1)
 
 
 def gimp_axis(grid: Grid, k: int, below: int, above: int, reach: int, half: float | None = None) -> Axis:
@@ -45,7 +59,7 @@ def gimp_axis(grid: Grid, k: int, below: int, above: int, reach: int, half: floa
     row = Gimp(origin, inverse, zeros)
     if half is not None:
         row = EqualGimp(origin, inverse, half * inverse, 0.5 / (half * inverse), zeros)
-    return Axis(row, hats.coordinates, reach)
+    return Axis(row, hats.coordinates, reach, reach)
 
 
 def spline_axis(grid: Grid, k: int, degree: int) -> Axis:
@@ -57,7 +71,7 @@ def spline_axis(grid: Grid, k: int, degree: int) -> Axis:
     knots = np.clip(np.arange(-degree, cells + degree + 1), 0, cells)
     greville = np.array([knots[i + 1 : i + 1 + degree].mean() for i in range(cells + degree)])
     row = (Quadratic if degree == 2 else Cubic)(grid.lower[k], 1.0 / h, cells)
-    return Axis(row, grid.lower[k] + h * greville, degree + 1)
+    return Axis(row, grid.lower[k] + h * greville, degree + 1, degree)
 
 
 class Nodes:
@@ -108,14 +122,23 @@ class Nodes:
         a, b, c = self._axes
         return a.reach, b.reach, c.reach
 
-    def cells_of(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the cells that hold the corners of a box [m], (3,) each, within the grid."""
-        found = np.zeros((2, 3), dtype=np.int64)
-        for k, axis in enumerate(self._axes):
-            if not isinstance(axis.row, Absent):
-                r = (np.array([low[k], high[k]]) - axis.row.origin) * axis.row.inverse
-                found[:, k] = np.clip(np.floor(r), 0, len(axis.coordinates) - 1)
-        return found[0], found[1]
+    @property
+    def slabs(self) -> tuple[int, int, int]:
+        """How many cells thick slabs across each axis are."""
+        a, b, c = self._axes
+        return a.slab, b.slab, c.slab
+
+    def cells_of(self, low: np.ndarray, high: np.ndarray) -> list[tuple[int, int]]:
+        """Return the first and last cell, along each axis, of a box between two corners [m], within the grid."""
+        found = []
+        for axis, a, b in zip(self._axes, low.tolist(), high.tolist(), strict=True):
+            row, last = axis.row, len(axis.coordinates) - 1
+            if isinstance(row, Absent):
+                found.append((0, 0))
+                continue
+            ends = (math.floor((x - row.origin) * row.inverse) for x in (a, b))
+            found.append(tuple(min(max(cell, 0), last) for cell in ends))
+        return found
 
     def active_everywhere(self) -> None:
         """Work on all nodes."""
@@ -129,14 +152,12 @@ class Nodes:
         low, high
             Its corners, (3,) each.
         """
-        reach = np.array(self.reach)
-        below, above = self.cells_of(low, high)
-        first = np.clip(below - reach // 2, 0, self.shape)
-        last = np.clip(above + reach, 0, self.shape)
-        block = tuple(first.tolist()), tuple(last.tolist())
-        if block != (self.first, self.last):
+        cells = list(zip(self.cells_of(low, high), self.reach, self.shape, strict=True))
+        first = tuple(max(a - reach // 2, 0) for (a, _), reach, _ in cells)
+        last = tuple(min(b + reach, count) for (_, b), reach, count in cells)
+        if (first, last) != (self.first, self.last):
             clear(self.flat, self.first[0], self.last[0], *self.shape[1:], self.first, self.last)
-            self.first, self.last = block
+            self.first, self.last = first, last  # type: ignore[assignment]
 
     def planes(self, team: Team, call: Callable[[int, int], Any]) -> None:
         """Call ``call(start, stop)`` on pieces of the active nodes' planes across the first axis."""

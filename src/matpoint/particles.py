@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from matpoint.kernels.order import reorder
+from matpoint.threads import Team
 
 #: Some particles: a slice, or their internal indices.
 Rows = slice | np.ndarray
@@ -93,14 +94,21 @@ class Particles:
         result[self.id] = values
         return result
 
-    def permute(self, order: np.ndarray) -> None:
+    def permute(self, order: np.ndarray, team: Team) -> None:
         """Put all arrays in a new order, in place: entry k becomes what entry order[k] was."""
-        done = np.zeros(len(self), dtype=bool)
-        for name in self._names:
-            values = getattr(self, name)
-            rows = values.reshape(len(self), -1)
-            if rows.nbytes > 8 * len(self):  # without a second array
-                rows = rows.view(np.uint8)
-                reorder(order, rows, done, np.empty(rows.shape[1], dtype=np.uint8))
-            else:
-                values[:] = values[order]
+
+        def some(_: int, start: int, stop: int) -> None:
+            done = np.zeros(len(self), dtype=bool)
+            for name in self._names[start:stop]:
+                self._permute(name, order, done)
+
+        team.map(some, [(k, k + 1) for k in range(len(self._names))])
+
+    def _permute(self, name: str, order: np.ndarray, done: np.ndarray) -> None:
+        values = getattr(self, name)
+        rows = values.reshape(len(self), -1)
+        if rows.nbytes > 8 * len(self):  # without a second array
+            rows = rows.view(np.uint8)
+            reorder(order, rows, done, np.empty(rows.shape[1], dtype=np.uint8))
+        else:
+            values[:] = values[order]

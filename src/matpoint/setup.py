@@ -110,7 +110,7 @@ def _sorted(setting: Setting) -> Setting:
     """Put particles and vertices in order of cell, so that neighbours in space are so in memory."""
     order = cell_order(setting.team, setting.grid, setting.particles.position)
     if order is not None:
-        setting.particles.permute(order)
+        setting.particles.permute(order, setting.team)
         setting.kind = setting.kind[order]
         setting.stiffness = setting.stiffness[order]
         setting.connectivity = setting.connectivity[order]

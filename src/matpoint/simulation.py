@@ -280,7 +280,7 @@ class Simulation:
         order = cell_order(self.engine.team, self.grid, self.particles.position)
         if order is None:
             return
-        self.particles.permute(order)
+        self.particles.permute(order, self.engine.team)
         self.engine.mapping.permute(order)
         self.engine.list_materials()
 

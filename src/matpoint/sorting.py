@@ -67,24 +67,20 @@ class Slabs:
     def renew(self, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
         """Sort the points again, where they are now [m], (n, 3), within a box."""
         n = self._nodes
-        widths = np.array(n.reach)
-        first, last = (cells // widths for cells in n.cells_of(low, high))
-        slabs = last - first + 1
-        axis = int(np.argmax(slabs))
-        width, count, row = int(widths[axis]), int(slabs[axis]), n.rows[axis]
+        ends = [(a // w, b // w) for (a, b), w in zip(n.cells_of(low, high), n.slabs, strict=True)]
+        axis = max(range(3), key=lambda k: ends[k][1] - ends[k][0])
+        first, width, row = ends[axis][0], n.slabs[axis], n.rows[axis]
+        count = ends[axis][1] - first + 1
         slab_of = np.repeat(np.arange(count, dtype=np.int32), width)
-        inverse = getattr(row, "inverse", 0.0)
-        origin = getattr(row, "origin", 0.0) + (first[axis] * width / inverse if inverse else 0.0)
+        # Cells are counted from where the row counts them: rounding must not put a point elsewhere.
+        origin, inverse = getattr(row, "origin", 0.0), getattr(row, "inverse", 0.0)
         self.pointer = _sort(
-            self._team,
-            count,
+            self._team, count,
             lambda a, b, counts: slab_keys(
-                x, self._points, a, b, axis, origin, inverse, slab_of, self._key, counts
+                x, self._points, a, b, axis, origin, inverse, first * width, slab_of, self._key, counts
             ),
-            self._points,
-            self._key,
-            self.order,
-        )
+            self._points, self._key, self.order,
+        )  # fmt: skip
 
 
 def sort_by_cell(

@@ -332,14 +332,14 @@ def test_slabs_are_a_stable_sort_across_the_axis_that_the_points_fill(threads):
     for points in (chosen, EVERY_POINT):
         picked = points if len(points) else np.arange(5000)
         slabs = Slabs(field, team, 5000, points)
-        slabs.renew(x, x.min(0), x.max(0))  # 6, 5 and 4 cells: across the first axis, two thick
-        slab = ((x[picked, 0] - GRID.lower[0]) / GRID.cell[0]).astype(int) // 2
+        slabs.renew(x, x.min(0), x.max(0))  # 6, 5 and 4 cells: across the first axis
+        slab = ((x[picked, 0] - GRID.lower[0]) / GRID.cell[0]).astype(int)
         np.testing.assert_array_equal(slabs.order, picked[np.argsort(slab, kind="stable")])
-        np.testing.assert_array_equal(slabs.pointer, np.searchsorted(np.sort(slab), np.arange(4)))
-    corner = x[x[:, 0] < 0.4]
+        np.testing.assert_array_equal(slabs.pointer, np.searchsorted(np.sort(slab), np.arange(7)))
+    corner = x[(x[:, 0] < 0.4) & (x[:, 1] > 0.7)]
     slabs = Slabs(field, team, len(corner))
-    slabs.renew(corner, corner.min(0), corner.max(0))
-    slab = ((corner[:, 1] - GRID.lower[1]) / GRID.cell[1]).astype(int) // 2
+    slabs.renew(corner, corner.min(0), corner.max(0))  # 1, 3 and 4 cells: across the last
+    slab = ((corner[:, 2] - GRID.lower[2]) / GRID.cell[2]).astype(int)
     np.testing.assert_array_equal(slabs.order, np.argsort(slab, kind="stable"))
     team.close()
 

@@ -53,17 +53,18 @@ def find_stretched(x, half, start, stop, lower, upper):
 
 
 @kernel
-def slab_keys(x, points, start, stop, axis, origin, inverse, slab_of, key, counts):
-    """Slab of each of points[start:stop] (all if there is no list), by the table of cells; count them.
+def slab_keys(x, points, start, stop, axis, origin, inverse, first, slab_of, key, counts):
+    """Slab of each of points[start:stop] (all if there is no list), by a table of cells; count them.
 
-    ``origin`` is the corner of the table's first cell [m], ``inverse`` one over the size of a cell [1/m].
+    ``origin`` is the corner of cell 0 [m], ``inverse`` one over the size of a cell [1/m], ``first`` the table's
+    first cell.
     """
     for s in range(counts.shape[0]):
         counts[s] = 0
     last, before, run = slab_of.shape[0] - 1, np.int32(0), 0
     for r in range(start, stop):
         p = points[r] if points.shape[0] > 0 else r
-        s = slab_of[min(max(int((x[p, axis] - origin) * inverse), 0), last)]
+        s = slab_of[min(max(int((x[p, axis] - origin) * inverse) - first, 0), last)]
         key[r] = s
         if s != before:  # neighbours are mostly of one slab: count runs of them
             counts[before] += run
