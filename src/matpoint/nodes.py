@@ -129,7 +129,7 @@ class Nodes:
         return a.slab, b.slab, c.slab
 
     def cells_of(self, low: np.ndarray, high: np.ndarray) -> list[tuple[int, int]]:
-        """Return the first and last cell, along each axis, of a box between two corners [m], within the grid."""
+        """Return first and last cell along each axis of a box between two corners [m], within the grid."""
         found = []
         for axis, a, b in zip(self._axes, low.tolist(), high.tolist(), strict=True):
             row, last = axis.row, len(axis.coordinates) - 1

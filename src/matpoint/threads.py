@@ -20,8 +20,9 @@ import numpy as np
 
 from matpoint.errors import InputError
 
-_WORTH_IT = 2048  # below this many items a thread costs more than it brings
+_WORTH_IT = 16384  # below this many items, of 10 to 30 ns each, waking threads costs more than they bring
 _SPARE = 4  # pieces for each thread
+_SHORTEST = 4096  # items of a piece
 BLOCK = 8192  # particles whose sum is made by one thread, in order; sums of blocks are added in order
 
 
@@ -77,7 +78,7 @@ class Team:
         """
         if self._pool is None or count * each < _WORTH_IT:
             return [(0, count)]
-        wanted = max(self.threads, min(_SPARE * self.threads, count * each // (2 * _WORTH_IT)))
+        wanted = max(self.threads, min(_SPARE * self.threads, count * each // _SHORTEST))
         edges = np.linspace(0, count, min(wanted, most or wanted) + 1).astype(int)
         return [(a, b) for a, b in pairwise(edges.tolist()) if a < b]
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from matpoint.kernels import EVERY_POINT
 from matpoint.kernels.corners import CORNERS, corner_weights
+from matpoint.kernels.order import reorder
 from matpoint.kernels.vector import records
 from matpoint.kernels.vertex import independent_blocks
 
@@ -127,6 +128,7 @@ class Vertices:
 
     def permute_particles(self, order: np.ndarray) -> None:
         """Follow a new order of the particles."""
-        self.connectivity = np.ascontiguousarray(self.connectivity[order])
-        self.kind = np.ascontiguousarray(self.kind[order])
+        rows = self.connectivity.view(np.uint8)
+        reorder(order, rows, np.zeros(len(rows), dtype=bool), np.empty(rows.shape[1], dtype=np.uint8))
+        self.kind = self.kind[order]
         self.link()

@@ -167,6 +167,7 @@ class Quadrature:
                 self._support, p.position, c.order, c.pointer, fields.ravel(), values.ravel(), self.ranks,
                 self.conditions,
             ),
+            kernels.HEAVY,
         )  # fmt: skip
         refuse_crowds(found, c)
         density = values[:, 0]

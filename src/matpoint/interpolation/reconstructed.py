@@ -119,6 +119,7 @@ class ReconstructedMapping(BoxMapping):
                 *c.arguments, 1.0, p.position, p.velocity, c.order, c.pointer, self.node_ranks,
                 self.node_conditions,
             ),
+            kernels.HEAVY,
         )  # fmt: skip
         refuse_crowds(found, c)
         if len(self.quadrature.cut):

@@ -16,7 +16,7 @@ from matpoint.interpolation.linear import Linear
 from matpoint.interpolation.quadrature import Quadrature, Solver, refuse_crowds
 from matpoint.interpolation.reconstructed import ReconstructedMapping
 from matpoint.interpolation.reconstruction import monomials
-from matpoint.kernels.reconstruct import MODES
+from matpoint.kernels.reconstruct import HEAVY, MODES
 from matpoint.kernels.taylor import fields_in_cells, sum_in_cells
 from matpoint.particles import Particles
 from matpoint.sorting import Slabs
@@ -71,6 +71,7 @@ class TaylorQuadrature(Quadrature):
                 self.keep_stress, c.origin, c.inverse, c.size, c.cells, p.position, c.order, c.pointer,
                 fields, totals, values, self.ranks,
             ),
+            HEAVY,
         )  # fmt: skip
         refuse_crowds(found, c)
         self._add_points(particles, values, own, 1.0 - covered)

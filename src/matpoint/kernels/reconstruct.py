@@ -15,6 +15,7 @@ from matpoint.kernels.vector import fma, lane, load, store, zero
 ROOM = 8192  # particles in the cells around one point
 STRIDE = ROOM + 8  # so that columns do not begin in the same lines of a cache
 FIELDS = 16  # numbers that a particle hands to the points: two lines
+HEAVY = 64  # a fit at one point is as much work as so many transfers of a particle
 MODES = {"imls": 0, "mls": 1, "raw-mls": 2}
 
 
