@@ -119,7 +119,7 @@ def draw_scale(result: dict[str, Any], path: Path) -> None:
         right.plot(n, [r["bytes_peak"] for r in mine], marker="o", label=label)
     for axes, what in ((left, "time per particle-step [ns]"), (right, "peak memory per particle [bytes]")):
         axes.set_xscale("log")
-        axes.set_ylim(bottom=0.0)
+        axes.set_ylim(0.0, 1.35 * axes.get_ylim()[1])  # room for the legend
         axes.set_xlabel("particles")
         axes.set_ylabel(what)
         axes.legend()
