@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 _INVERTED = (
     "det F is not positive or the stress is not finite: the material turned inside out; a shorter step,"
-    " smaller loads, the MUSL scheme, or finer cells or another interpolation may help"
+    " smaller loads, the MUSL scheme if it is not in use, or finer cells or another interpolation may help"
 )
 
 

@@ -29,8 +29,8 @@ class Axis:
     reach : int
         How many nodes a point sees.
     slab : int
-        Cells of the thinnest slab such that every second one shares no node: a point in cell c sees nodes
-        from c on to c + slab, or, for averaged hats, ``slab`` in all besides those of c.
+        Cells of the thinnest slab such that every second one shares no node: if a point in cell c writes to
+        nodes from c - a to c + b, weights of zero included, it is a + b.
     """
 
     def __init__(self, row: Any, coordinates: np.ndarray, reach: int, slab: int) -> None:
@@ -59,7 +59,9 @@ def gimp_axis(grid: Grid, k: int, below: int, above: int, reach: int, half: floa
     row = Gimp(origin, inverse, zeros)
     if half is not None:
         row = EqualGimp(origin, inverse, half * inverse, 0.5 / (half * inverse), zeros)
-    return Axis(row, hats.coordinates, reach, reach)
+    # Boxes of up to reach - 2 cells begin up to half of them, rounded up, below the cell of their centre, and
+    # the row of the shortest reaches reach - 1 nodes above it.
+    return Axis(row, hats.coordinates, reach, reach - 1 + (reach - 1) // 2)
 
 
 def spline_axis(grid: Grid, k: int, degree: int) -> Axis:

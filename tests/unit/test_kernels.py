@@ -152,6 +152,7 @@ def test_quad_and_hexahedron_that_turn_over_are_found():
         kind = np.array([number], dtype=np.int8)
         connectivity = np.arange(n, dtype=np.int32)[None]
         assert corners.corner_weights(0, 1, kind, connectivity, x, weights, position) == 0
+        assert not position.any()  # where the particle is, it stays
 
 
 def test_gradients_are_the_volume_derivative():
@@ -342,6 +343,16 @@ def test_slabs_are_a_stable_sort_across_the_axis_that_the_points_fill(threads):
     slab = ((corner[:, 2] - GRID.lower[2]) / GRID.cell[2]).astype(int)
     np.testing.assert_array_equal(slabs.order, np.argsort(slab, kind="stable"))
     team.close()
+
+
+@pytest.mark.parametrize("reach", [3, 5, 8])
+def test_slabs_of_averaged_hats_are_as_thick_as_what_boxes_of_any_size_write_to(reach):
+    rng = np.random.default_rng(9)
+    r, half = rng.uniform(10, 11, 4000), rng.uniform(0, 0.5 * (reach - 2), 4000)
+    half[:9] = 0.5 * (reach - 2)
+    first = np.floor(r - half).astype(int)
+    below, above = 10 - first, first + reach - 1 - 10
+    assert below.max() + above.max() == gimp_axis(GRID, 0, 3, 8, reach).slab
 
 
 @pytest.mark.parametrize("threads", [1, 3])

@@ -29,7 +29,7 @@ from matpoint.errors import InputError, RunError, did_you_mean, naming
 from matpoint.grid import Grid
 from matpoint.interpolation.contract import Interpolation
 from matpoint.materials import Material
-from matpoint.problems import PROBLEMS
+from matpoint.problems import PROBLEMS, ManufacturedProblem
 from matpoint.regions import Region
 from matpoint.scheme import Scheme
 from matpoint.simulation import Simulation
@@ -150,6 +150,13 @@ def _simulation(case: Case, threads: int | None) -> Simulation:
     if tables.problem is not None:
         _problem_only(tables)
         problem = make_problem(tables.problem)
+        if isinstance(problem, ManufacturedProblem):
+            from matpoint.study.plan import refuse_problem_size  # noqa: PLC0415 (for these alone)
+
+            refuse_problem_size(problem)
+            # What the problem is told of its own counts, and so does its own choice of an order of stages.
+            scheme = scheme if tables.scheme.order else problem.scheme_for(interpolation, scheme.transfer)
+            timestep = None if problem.dt else timestep
         return problem.simulation(interpolation, scheme=scheme, timestep=timestep, threads=threads)
     grid, bodies = _grid_and_bodies(case)
     walls_only = interpolation.walls_only

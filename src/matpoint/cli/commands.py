@@ -215,6 +215,8 @@ def converge(
     from matpoint.output.summary import plain  # noqa: PLC0415
     from matpoint.study import carry_out, plan  # noqa: PLC0415
 
+    if any(key.split("=")[0].strip() == "problem.cells" for key in set_):
+        raise InputError("--set problem.cells: the sizes of a study are given with --cells")
     keys = converging.split_settings(set_)
     read = _load(case, set_, [])
     problem, transfer = converging.read_scheme(read, keys["scheme"], converging.read_problem(read, case))

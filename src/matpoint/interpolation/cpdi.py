@@ -102,6 +102,7 @@ class ConvectedVertices(VertexMapping):
         own = p.position[self.fallen]
         while True:
             v = self.vertices
+            p.position[self.fallen] = own  # a pass before may have put centroids there
             parallelepipeds(
                 0, len(self.fallen), self.fallen, self._shared, self.dim, p.position,
                 p.deformation_gradient, self._edges, v.position, v.weights,
@@ -110,7 +111,7 @@ class ConvectedVertices(VertexMapping):
             turned = min((q for q in found if q >= 0), default=-1)
             if turned < 0:
                 # A fallen domain is built around its particle: the centroid would only add rounding.
-                p.position[self.fallen[: len(own)]] = own
+                p.position[self.fallen] = own
                 return
             if self._on_inversion == "stop" or turned in self.fallen:
                 raise ParticleError(
@@ -118,6 +119,7 @@ class ConvectedVertices(VertexMapping):
                     "its domain turned over (a corner Jacobian is not positive); refine, shorten the"
                     ' step, or let such domains fall back with on_inversion = "cpdi1"',
                 )
+            own = np.append(own, p.position[[turned]], axis=0)  # where it is: nothing was written for it
             self._fall_back(turned)
 
     def _weigh(self, book: Book | None, start: int, stop: int) -> int:

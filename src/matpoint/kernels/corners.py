@@ -203,6 +203,8 @@ def _hexahedron(p, corners, x, flat, position):
     st, tr, rs = _cross(s, t), _cross(t, r), _cross(r, s)
     det = _determinant(r, st)
     volume = _total(det)
+    if not (smallest > 0.0 and volume > 0.0):  # write nothing: the particle may go on without these corners
+        return -1.0
     inverse = 1.0 / volume
     share = _toward_gauss(det, across_x(det))
     share = _toward_gauss(share, across_y(share))
@@ -216,7 +218,7 @@ def _hexahedron(p, corners, x, flat, position):
     position[p, 0] = _total(times(share, cx))
     position[p, 1] = _total(times(share, cy))
     position[p, 2] = _total(times(share, cz))
-    return 8.0 * smallest if volume > 0.0 else min(smallest, volume)
+    return smallest
 
 
 @kernel

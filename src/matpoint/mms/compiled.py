@@ -25,7 +25,9 @@ def compiled(
     """
     constant = np.array([float(e) if e.is_number else 0.0 for e in expressions])
     rows = [k for k, e in enumerate(expressions) if not e.is_number]
-    function = sp.lambdify(list(arguments), [expressions[k] for k in rows], modules="numpy", cse=True)
+    function = sp.lambdify(
+        list(arguments), [expressions[k] for k in rows], modules=["numpy", "scipy"], cse=True
+    )
 
     def evaluate(values: Any, n: int) -> np.ndarray:
         found = np.empty((len(constant), n))

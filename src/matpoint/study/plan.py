@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from matpoint.checks import instance, whole
 from matpoint.errors import InputError
 from matpoint.memory import refuse_size
-from matpoint.problems import ManufacturedProblem
+from matpoint.problems import PROBLEMS, ManufacturedProblem
 from matpoint.study.choices import changed, packed
 from matpoint.study.worker import task
 from matpoint.transfers import FLIP, Transfer
@@ -101,11 +101,16 @@ def plan(
     )
     if not sizes:
         raise InputError("converge: no cells given, for instance --cells 8,16,32")
+    if PROBLEMS.get(problem.name) is not type(problem):
+        raise InputError(
+            f"converge: {type(problem).__name__} is no problem that a worker process knows (matpoint list);"
+            " measure it in this process with problem.track(method) and problem.measure"
+        )
     for label, choice in chosen.items():
         packed(choice)
         _refuse(problem, label, choice, given)
     for n in sizes:
-        _refuse_size(replace(problem, cells=n), problem.grid().dim)
+        refuse_problem_size(replace(problem, cells=n))
     return Plan(problem, chosen, sizes, given)
 
 
@@ -133,10 +138,16 @@ def _refuse(problem: ManufacturedProblem, label: str, choice: Interpolation, tra
         raise InputError(f"converge: {text}; or leave {label} out of the methods") from None
 
 
-def _refuse_size(problem: ManufacturedProblem, dim: int) -> None:
-    """Refuse a size that memory can't hold, or that would run for weeks."""
-    where = f"converge: {problem.name} on {problem.cells} cells"
-    particles = problem.particle_count()
+def refuse_problem_size(problem: ManufacturedProblem) -> None:
+    """Refuse a size that memory can't hold, or that would run for weeks.
+
+    Raises
+    ------
+    InputError
+        With the sizes, and what would help.
+    """
+    where = f"{problem.name} on {problem.cells} cells"
+    particles, dim = problem.particle_count(), problem.grid().dim
     refuse_size(
         where, float(problem.cells + 1) ** dim, particles, "use fewer cells, or a smaller per_cell", _BYTES
     )
