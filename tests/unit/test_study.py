@@ -93,7 +93,7 @@ def test_sizes_that_no_machine_holds_are_refused_with_the_reason(monkeypatch):
     monkeypatch.setattr(memory, "free_memory", lambda: 8e9)
     with pytest.raises(InputError, match=r"on 4000000 cells: 1.2e\+07 particles need about 24 GB.*8 GB"):
         plan(FullWave(), ["cpdi2"], [8, 4_000_000])
-    with pytest.raises(InputError, match=r"more than 2\^31 nodes"):
+    with pytest.raises(InputError, match="nodes need about"):
         plan(Waves2D(), ["cpdi2"], [10**15])
     monkeypatch.setattr(memory, "free_memory", lambda: 1e15)
     with pytest.raises(InputError, match=r"particle-steps; up to 1e\+12"):

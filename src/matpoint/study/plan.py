@@ -147,7 +147,8 @@ def refuse_problem_size(problem: ManufacturedProblem) -> None:
         With the sizes, and what would help.
     """
     where = f"{problem.name} on {problem.cells} cells"
-    particles, dim = problem.particle_count(), problem.grid().dim
+    # The grid itself may be too large to be described.
+    particles, dim = problem.particle_count(), replace(problem, cells=4).grid().dim
     refuse_size(
         where, float(problem.cells + 1) ** dim, particles, "use fewer cells, or a smaller per_cell", _BYTES
     )
