@@ -68,7 +68,23 @@ def _check_order(what: str, order: int) -> None:
 
 
 @dataclass(frozen=True)
-class XPIC:
+class _Series:
+    """PIC with ``order`` terms of a series for the velocities."""
+
+    order: int = 2
+    share: ClassVar[float] = 0.0
+
+    def __post_init__(self) -> None:
+        _check_order(type(self).__name__, self.order)
+
+    @property
+    def terms(self) -> int:
+        """Terms of the series."""
+        return self.order
+
+
+@dataclass(frozen=True)
+class XPIC(_Series):
     """PIC whose damping is taken back term by term (Hammerquist and Nairn 2017).
 
     V+ = S (v* + a dt) with v* = sum_{j < order} (1 - S+ S)^j S+ V, which is V - (1 - S S+)^order V: smooth
@@ -83,22 +99,12 @@ class XPIC:
         Number of terms m: 1 is PIC; each further one costs a transfer both ways.
     """
 
-    order: int = 2
     name: ClassVar[str] = "xpic"
-    share: ClassVar[float] = 0.0
     citation: ClassVar[tuple[str, ...]] = ("hammerquist2017",)
-
-    def __post_init__(self) -> None:
-        _check_order("XPIC", self.order)
-
-    @property
-    def terms(self) -> int:
-        """Terms of the series."""
-        return self.order
 
 
 @dataclass(frozen=True)
-class FMPM:
+class FMPM(_Series):
     """PIC with nodal velocities by an approximate inverse of the full mass (Nairn, Hammerquist 2021).
 
     v(k) = sum_{j < k} (1 - S+ S)^j v+, for S+ S = M_L^-1 M with the full mass M_ij = sum_p phi_ip phi_jp m_p
@@ -112,18 +118,8 @@ class FMPM:
         Number of terms k: 1 is PIC; each further one costs a transfer both ways.
     """
 
-    order: int = 2
     name: ClassVar[str] = "fmpm"
-    share: ClassVar[float] = 0.0
     citation: ClassVar[tuple[str, ...]] = ("nairn2021",)
-
-    def __post_init__(self) -> None:
-        _check_order("FMPM", self.order)
-
-    @property
-    def terms(self) -> int:
-        """Terms of the series."""
-        return self.order
 
 
 Transfer = FLIP | PIC | APIC | XPIC | FMPM

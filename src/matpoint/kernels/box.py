@@ -8,7 +8,7 @@ increment, spare after it. Nodes are numbered with the last axis fastest.
 from __future__ import annotations
 
 from matpoint.jit import device, kernel
-from matpoint.kernels.content import contribution
+from matpoint.kernels.content import contribution, take
 from matpoint.kernels.rows import row
 from matpoint.kernels.vector import fma, lane, load, scale, store, zero
 
@@ -75,14 +75,9 @@ def nodes_to_particles(
             along_x = fma(dx[i], plane, along_x)
             along_y = fma(wi, plane_y, along_y)
             along_z = fma(wi, plane_z, along_z)
-        for a in range(3):
-            if move:
-                v[p, a] = flip * (v[p, a] + lane(value, a + 4)) + (1.0 - flip) * lane(value, a)
-                x_next[p, a] = x[p, a] + dt * lane(value, a)
-            if differentiate:
-                gradient[p - start, a, 0] = lane(along_x, a)
-                gradient[p - start, a, 1] = lane(along_y, a)
-                gradient[p - start, a, 2] = lane(along_z, a)
+        take(
+            p, start, value, along_x, along_y, along_z, v, x, x_next, gradient, dt, flip, move, differentiate
+        )  # fmt: skip
 
 
 @kernel

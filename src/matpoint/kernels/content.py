@@ -1,9 +1,9 @@
-"""What a particle brings to a node record: the part that its weight multiplies, and three for its gradient."""
+"""What a particle brings to a node record, and what it takes from them."""
 
 from __future__ import annotations
 
 from matpoint.jit import device
-from matpoint.kernels.vector import pack
+from matpoint.kernels.vector import lane, pack
 
 
 @device
@@ -24,3 +24,23 @@ def contribution(p, v, mass, volume, stress, body, kinematic, dynamic):
     pull_y = pack(0.0, 0.0, 0.0, 0.0, xy, yy, yz, 0.0)
     pull_z = pack(0.0, 0.0, 0.0, 0.0, xz, yz, zz, 0.0)
     return content, pull_x, pull_y, pull_z
+
+
+@device
+def take(
+    p, start, value, along_x, along_y, along_z, v, x, x_next, gradient, dt, flip, move, differentiate
+):  # fmt: skip
+    """Velocity and next position (S 13, 14) if ``move``, velocity gradient (S 15) if ``differentiate``.
+
+    ``value`` and ``along_*`` are a record and its derivatives at the particle. An empty ``x_next`` takes no
+    position: the particle is where its corners are. ``gradient`` begins with particle ``start``.
+    """
+    for a in range(3):
+        if move:
+            v[p, a] = flip * (v[p, a] + lane(value, a + 4)) + (1.0 - flip) * lane(value, a)
+            if x_next.shape[0] > 0:
+                x_next[p, a] = x[p, a] + dt * lane(value, a)
+        if differentiate:
+            gradient[p - start, a, 0] = lane(along_x, a)
+            gradient[p - start, a, 1] = lane(along_y, a)
+            gradient[p - start, a, 2] = lane(along_z, a)

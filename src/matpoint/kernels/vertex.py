@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from matpoint.jit import kernel
-from matpoint.kernels.content import contribution
+from matpoint.kernels.content import contribution, take
 from matpoint.kernels.rows import row
-from matpoint.kernels.vector import fma, lane, load, scale, store, zero
+from matpoint.kernels.vector import fma, load, scale, store, zero
 
 
 @kernel
@@ -119,15 +119,9 @@ def vertices_to_particles(
             along_x = fma(weights[p, c, 1], record, along_x)
             along_y = fma(weights[p, c, 2], record, along_y)
             along_z = fma(weights[p, c, 3], record, along_z)
-        for a in range(3):
-            if move:
-                v[p, a] = flip * (v[p, a] + lane(value, a + 4)) + (1.0 - flip) * lane(value, a)
-                if x_next.shape[0] > 0:  # else the particle is where its corners are
-                    x_next[p, a] = x[p, a] + dt * lane(value, a)
-            if differentiate:
-                gradient[p - start, a, 0] = lane(along_x, a)
-                gradient[p - start, a, 1] = lane(along_y, a)
-                gradient[p - start, a, 2] = lane(along_z, a)
+        take(
+            p, start, value, along_x, along_y, along_z, v, x, x_next, gradient, dt, flip, move, differentiate
+        )  # fmt: skip
 
 
 @kernel
