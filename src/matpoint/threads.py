@@ -7,17 +7,15 @@ the even slabs, then the odd ones (see ``kernels.locate``).
 
 from __future__ import annotations
 
-import itertools
 import os
 import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor, wait
-from functools import partial
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from matpoint.crew import Crew
 from matpoint.errors import InputError
 
 _WORTH_IT = 16384  # below this many items, of 10 to 30 ns each, waking threads costs more than they bring
@@ -31,16 +29,6 @@ def available_threads() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def _bind(turn: Iterator[int]) -> None:
-    """Keep a thread on a processor of its own.
-
-    Threads are woken for a millisecond at a time, many times a step; some schedulers wake them all where the
-    one that woke them runs, and then they share a single processor for good.
-    """
-    allowed = sorted(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, {allowed[next(turn) % len(allowed)]})
 
 
 class Team:
@@ -63,12 +51,8 @@ class Team:
             raise InputError(f"threads = {threads!r} must be a whole number from 1 to 1024")
         self.threads = count
         self._own = threading.local()
-        # Only if they are to fill all processors: fewer are left to the system, which knows what else runs.
-        bind = hasattr(os, "sched_setaffinity") and count == available_threads()
-        self._pool = None
-        if count > 1:
-            begin = partial(_bind, itertools.count()) if bind else None
-            self._pool = ThreadPoolExecutor(count, "matpoint", begin)
+        # Bound if they are to fill all processors; fewer are left to the system, which knows what else runs.
+        self._crew = Crew(count - 1, bind=count == available_threads()) if count > 1 else None
 
     def pieces(self, count: int, most: int | None = None, each: int = 1) -> list[tuple[int, int]]:
         """Cut range(count) into pieces, no more than ``most``; one if it is short.
@@ -76,26 +60,47 @@ class Team:
         There are more than threads, so that one that is held up does not keep the others waiting. ``each``
         is how many small things one of the count is.
         """
-        if self._pool is None or count * each < _WORTH_IT:
+        if self._crew is None or count * each < _WORTH_IT:
             return [(0, count)]
         wanted = max(self.threads, min(_SPARE * self.threads, count * each // _SHORTEST))
         edges = np.linspace(0, count, min(wanted, most or wanted) + 1).astype(int)
         return [(a, b) for a, b in pairwise(edges.tolist()) if a < b]
 
-    def map(self, call: Callable[[int, int, int], Any], pieces: list[tuple[int, int]]) -> list[Any]:
-        """Call ``call(number, start, stop)`` for each piece; return the results in order."""
-        if self._pool is None or len(pieces) == 1:
+    def map(
+        self,
+        call: Callable[[int, int, int], Any],
+        pieces: list[tuple[int, int]],
+        after: Sequence[Sequence[int]] = (),
+    ) -> list[Any]:
+        """Call ``call(number, start, stop)`` for each piece; return the results in order.
+
+        Piece k begins when the pieces ``after[k]``, all of them earlier ones, have ended.
+        """
+        if self._crew is None or len(pieces) == 1:
             return [call(k, a, b) for k, (a, b) in enumerate(pieces)]
         results: list[Any] = [None] * len(pieces)
+        faults: list[tuple[int, BaseException]] = []
         turn = iter(range(len(pieces)))  # whoever is free takes the next one
+        going = [threading.Lock() for _ in after]
+        for lock in going:
+            lock.acquire()
 
         def work() -> None:
             for k in turn:
-                results[k] = call(k, *pieces[k])
+                try:
+                    for earlier in after[k] if after else ():
+                        with going[earlier]:
+                            pass
+                    results[k] = call(k, *pieces[k])
+                except BaseException as fault:
+                    faults.append((k, fault))
+                finally:
+                    if going:
+                        going[k].release()
 
-        done, _ = wait([self._pool.submit(work) for _ in range(min(self.threads, len(pieces)))])
-        for one in done:
-            one.result()
+        self._crew.run(work, min(self.threads, len(pieces)))
+        if faults:
+            raise min(faults, key=lambda found: found[0])[1]
         return results
 
     def split(self, count: int, call: Callable[[int, int], Any], each: int = 1) -> list[Any]:
@@ -125,19 +130,33 @@ class Team:
         return self.map(lambda _, a, b: call(a, b), pieces)
 
     def coloured(self, pointer: np.ndarray, call: Callable[[np.ndarray, int, int], Any]) -> None:
-        """Call ``call(slabs, start, stop)`` over the even slabs, then over the odd ones."""
-        for colour in (0, 1):
-            slabs = np.arange(colour, len(pointer) - 1, 2)
-            if self._pool is None or pointer[-1] < _WORTH_IT:
-                call(slabs, 0, len(slabs))
-                continue
-            load = np.cumsum(pointer[slabs + 1] - pointer[slabs])
-            shares = np.linspace(0, load[-1] if len(load) else 0, _SPARE * self.threads + 1)[1:-1]
-            edges = [0, *np.searchsorted(load, shares).tolist(), len(slabs)]
-            pieces = [(a, b) for a, b in pairwise(edges) if a < b]
-            self.map(lambda _, a, b, slabs=slabs: call(slabs, a, b), pieces)
+        """Call ``call(slabs, start, stop)`` over the even slabs, and over each odd one after its neighbours.
+
+        Slab k is pointer[k]:pointer[k + 1].
+        """
+        slabs = np.arange(len(pointer) - 1)
+        even, odd = slabs[::2], slabs[1::2]
+        if self._crew is None or pointer[-1] < _WORTH_IT:
+            call(even, 0, len(even))
+            call(odd, 0, len(odd))
+            return
+        first, second = (self._shares(pointer[some + 1] - pointer[some]) for some in (even, odd))
+        # The neighbours of odd slab j are even slabs j and j + 1.
+        after = [[k for k, (c, d) in enumerate(first) if c <= b and a < d] for a, b in second]
+        self.map(
+            lambda k, a, b: call(even if k < len(first) else odd, a, b),
+            first + second,
+            [[]] * len(first) + after,
+        )
+
+    def _shares(self, load: np.ndarray) -> list[tuple[int, int]]:
+        """Cut things of some load into pieces, ``_SPARE`` for each thread, as equal as they can be."""
+        done = np.cumsum(load)
+        shares = np.linspace(0, done[-1] if len(done) else 0, _SPARE * self.threads + 1)[1:-1]
+        edges = [0, *np.searchsorted(done, shares).tolist(), len(load)]
+        return [(a, b) for a, b in pairwise(edges) if a < b]
 
     def close(self) -> None:
         """End the threads."""
-        if self._pool is not None:
-            self._pool.shutdown()
+        if self._crew is not None:
+            self._crew.close()

@@ -1,0 +1,113 @@
+"""Threads that help the one that calls, woken by a lock each.
+
+The caller does its share of the work: one wake-up less, and what is short it has done before a helper is
+awake. A pool of futures takes half as long again for each round.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+import weakref
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+class _Helper:
+    """A thread that sleeps until it is given something to call."""
+
+    def __init__(self, processor: int | None) -> None:
+        self._processor = processor
+        self._call: Callable[[], None] | None = None
+        self._wake, self.ended = threading.Lock(), threading.Lock()
+        self._wake.acquire()
+        self._thread = threading.Thread(target=self._work, name="matpoint", daemon=True)
+        self._thread.start()
+
+    def begin(self, call: Callable[[], None]) -> None:
+        """Let it call; ``ended`` can be had when it has."""
+        self._call, self.ended = call, threading.Lock()
+        self.ended.acquire()
+        self._wake.release()
+
+    def stop(self) -> None:
+        """End the thread."""
+        self._call = None
+        self._wake.release()
+        self._thread.join()
+
+    def _work(self) -> None:
+        if self._processor is not None:
+            os.sched_setaffinity(0, {self._processor})
+        while True:
+            self._wake.acquire()
+            call, self._call = self._call, None  # not to be kept alive while this thread sleeps
+            if call is None:
+                return
+            ended = self.ended
+            try:
+                call()
+            finally:
+                ended.release()
+            del call
+
+
+def _stop(helpers: list[_Helper]) -> None:
+    while helpers:
+        helpers.pop().stop()
+
+
+class Crew:
+    """Helpers, and the thread that calls.
+
+    Parameters
+    ----------
+    helpers
+        How many threads there are beside the one that calls.
+    bind
+        Keep each on a processor of its own while it works. They are woken for a millisecond at a time, many
+        times a step; some schedulers wake them where the one that wakes them runs, and then all share one
+        processor for good.
+    """
+
+    def __init__(self, helpers: int, bind: bool) -> None:
+        places: list[int | None] = [None] * helpers
+        self._place: set[int] = set()  # the caller's
+        if bind and hasattr(os, "sched_setaffinity"):
+            allowed = sorted(os.sched_getaffinity(0))
+            self._place = {allowed[0]}
+            places = [allowed[(k + 1) % len(allowed)] for k in range(helpers)]
+        self._helpers = [_Helper(place) for place in places]
+        self._end = weakref.finalize(self, _stop, self._helpers)
+
+    def run(self, call: Callable[[], None], most: int) -> None:
+        """Call ``call()`` here and on helpers, ``most`` times in all, and wait for all of them.
+
+        What is raised here is raised; a helper must not raise anything.
+        """
+        helpers = self._helpers[: most - 1]
+        with self._at_its_place():
+            for one in helpers:
+                one.begin(call)
+            try:
+                call()
+            finally:
+                for one in helpers:
+                    one.ended.acquire()
+
+    @contextmanager
+    def _at_its_place(self) -> Iterator[None]:
+        """Bind the calling thread, and let it go where it was allowed to: it is the user's."""
+        if not self._place:
+            yield
+            return
+        allowed = os.sched_getaffinity(0)
+        os.sched_setaffinity(0, self._place)
+        try:
+            yield
+        finally:
+            os.sched_setaffinity(0, allowed)
+
+    def close(self) -> None:
+        """End the helpers."""
+        self._end()
