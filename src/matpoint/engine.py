@@ -198,7 +198,7 @@ class Engine:
 
     def advance(self) -> None:
         """Take the next positions, bring the domains along, and book the loads' work."""
-        v = self.mapping.vertices
+        v = self.mapping.vertices if self._pushes else None
         corners_before = None if v is None else v.position
         sums = np.zeros((-(-len(self.particles) // BLOCK), 7))
         loaded = bool(self.body.any())
@@ -209,8 +209,7 @@ class Engine:
         if loaded:
             dt = self.dt
             self.external += sums.sum(axis=0) * np.array([dt, dt, dt, 1.0, dt, dt, dt])
-        v = self.mapping.vertices
-        if self._pushes and v is not None and corners_before is not None:
+        if v is not None and corners_before is not None:
             book_pushes(self._pushes, corners_before, v.position, self.dt, self.external)
 
     # -- helpers -----------------------------------------------------------------------------

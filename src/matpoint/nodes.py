@@ -130,6 +130,11 @@ class Nodes:
         a, b, c = self._axes
         return a.slab, b.slab, c.slab
 
+    def set_slabs(self, cells: Sequence[int]) -> None:
+        """Make slabs so many cells thick across each of the run's axes."""
+        for axis, thickness in zip(self._axes, cells, strict=False):
+            axis.slab = thickness
+
     def cells_of(self, low: np.ndarray, high: np.ndarray) -> list[tuple[int, int]]:
         """Return first and last cell along each axis of a box between two corners [m], within the grid."""
         found = []

@@ -75,34 +75,37 @@ class Vertices:
         """Return the first particle with a vertex among its corners."""
         return int(np.argmax((self.connectivity == vertex).any(axis=1)))
 
-    def detach(self, particle: int, position0: np.ndarray, kind: int) -> None:
-        """Give a particle corners of its own, appended to the others.
+    def detach(self, particles: np.ndarray, position0: np.ndarray, kind: int) -> None:
+        """Give particles corners of their own, appended to the others.
 
         Parameters
         ----------
-        particle
-            Its row.
+        particles
+            Their rows, (m,).
         position0
-            Initial positions of the new corners [m], shape (corners, 3).
+            Initial positions of the new corners [m], shape (m, corners, 3).
         kind
-            The kind of its new domain.
+            The kind of their new domains.
         """
-        old, count = len(self), len(position0)
+        old, count = len(self), position0.shape[1]
         n, width = self.connectivity.shape
         if count > width:
             wider = np.full((n, count), -1, dtype=np.int32)
             wider[:, :width] = self.connectivity
             self.connectivity = wider
-            self.weights = np.zeros((n, count, 4))
-        self.connectivity[particle] = -1
-        self.connectivity[particle, :count] = old + np.arange(count)
-        self.kind[particle] = kind
+            weights = np.zeros((n, count, 4))
+            weights[:, :width] = self.weights
+            self.weights = weights
+        new = np.arange(old, old + count * len(particles), dtype=np.int32)
+        self.connectivity[particles] = -1
+        self.connectivity[particles, :count] = new.reshape(-1, count)
+        self.kind[particles] = kind
         for name in ("position", "position_next", "position0"):
-            setattr(self, name, np.concatenate([getattr(self, name), position0]))
-        self.records = records(old + count)
+            setattr(self, name, np.concatenate([getattr(self, name), position0.reshape(-1, 3)]))
+        self.records = records(len(self))
         self.flat = self.records.reshape(-1)
         if self.ordinary is not EVERY_POINT:
-            self.ordinary = np.append(self.ordinary, np.arange(old, old + count, dtype=np.int32))
+            self.ordinary = np.append(self.ordinary, new)
         self.link()
 
     def initial_weights(self) -> np.ndarray:

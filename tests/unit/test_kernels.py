@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from matpoint.grid import Grid
-from matpoint.kernels import EVERY_POINT, box, corners, ledger, locate, nodes, vector, vertex
+from matpoint.kernels import EVERY_POINT, box, corners, ledger, locate, nodes, parallelepiped, vector, vertex
 from matpoint.kernels.fields import per_particle
 from matpoint.kernels.order import reorder
 from matpoint.kernels.stretch import stretch_boxes
@@ -191,15 +191,70 @@ def test_parallelepipeds_have_the_weights_of_their_corners(dim):
     x, F = rng.normal(size=(n, 3)), np.tile(np.eye(3), (n, 1, 1))
     x[:, dim:] = 0.0
     F[:, :dim, :dim] += rng.uniform(-0.2, 0.2, (n, dim, dim))
-    edges = np.tile(np.eye(3) * 0.5, (n, 1, 1))
+    edges0 = np.tile(np.eye(3) * 0.5, (n, 1, 1))
+    edges, far = np.empty_like(edges0), np.zeros(3)
+    parallelepiped.stretch_edges(0, n, F, edges0, edges, far)
     corner, weights = np.zeros((n * count, 3)), np.zeros((n, count, 4))
-    corners.parallelepipeds(0, n, np.arange(n), 0, dim, x, F, edges, corner, weights)
+    parallelepiped.parallelepipeds(0, n, np.arange(n), 0, dim, x, edges, corner, weights)
+    offset = np.abs(corner.reshape(n, count, 3) - x[:, None])
+    np.testing.assert_allclose(far[:dim], offset.max(axis=(0, 1))[:dim], atol=1e-14)
     own, position = np.zeros((n, count, 4)), np.zeros((n, 3))
     kind = np.full(n, dim - 1, dtype=np.int8)
     connectivity = np.arange(n * count, dtype=np.int32).reshape(n, count)
     assert corners.corner_weights(0, n, kind, connectivity, corner, own, position) == -1
     np.testing.assert_allclose(weights, own, atol=1e-12)
     np.testing.assert_allclose(position, x, atol=1e-12)
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_parallelepipeds_transfer_what_their_corners_would(dim):
+    rng = np.random.default_rng(17)
+    grid = Grid((0.0,) * dim, (2.0,) * dim, 0.25)
+    n, count = 7, 2**dim
+    x, edges = np.zeros((n, 3)), np.tile(np.eye(3) * 0.5, (n, 1, 1))
+    x[:, :dim] = rng.uniform(0.7, 1.3, (n, dim))
+    edges[:, :dim, :dim] = 0.2 * np.eye(dim) + rng.uniform(-0.05, 0.05, (n, dim, dim))
+    v, m, V = rng.normal(size=(n, 3)), rng.uniform(1, 2, n), rng.uniform(1, 2, n)
+    s, b = rng.normal(size=(n, 6)), rng.normal(size=(n, 3))
+    corner, weights = np.zeros((n * count, 3)), np.zeros((n, count, 4))
+    parallelepiped.parallelepipeds(0, n, np.arange(n), 0, dim, x, edges, corner, weights)
+    connectivity = np.arange(n * count, dtype=np.int32).reshape(n, count)
+    every, records = np.full(n, count, dtype=np.int8), vector.records(n * count)
+    through, at_once = (Nodes([hat_axis(grid, k, 0, 0) for k in range(dim)]) for _ in range(2))
+    ny, nz = through.shape[1:]
+    vertex.particles_to_vertices(
+        np.arange(1), 0, 1, np.array([0, n]), connectivity, every, weights, v, m, V, s, b, 1.0, 1.0,
+        records.reshape(-1),
+    )  # fmt: skip
+    vertex.vertices_to_nodes(
+        *through.rows, ny, nz, through.flat, np.arange(1), 0, 1, np.array([0, n * count]),
+        np.arange(n * count, dtype=np.int32), corner, records.reshape(-1),
+    )  # fmt: skip
+    parallelepiped.particles_to_nodes(
+        *at_once.rows, ny, nz, at_once.flat, np.arange(1), 0, 1, np.array([0, n]),
+        np.arange(n, dtype=np.int32), dim, x, edges, v, m, V, s, b, 1.0, 1.0,
+    )  # fmt: skip
+    np.testing.assert_allclose(at_once.records, through.records, atol=1e-12)
+    assert np.abs(at_once.records[:, 4:7]).max() > 1.0
+
+    vertex.nodes_to_vertices(
+        *through.rows, ny, nz, through.flat, 0, n * count, np.arange(n * count, dtype=np.int32), corner,
+        records.reshape(-1),
+    )  # fmt: skip
+    found = []
+    for own in (False, True):
+        v1, x1, L = v.copy(), np.zeros((n, 3)), np.zeros((n, 3, 3))
+        if own:
+            parallelepiped.nodes_to_particles(
+                *at_once.rows, ny, nz, through.flat, 0, n, dim, x, edges, v1, x1, L, 0.1, 0.6, True, True
+            )
+        else:
+            vertex.vertices_to_particles(
+                0, n, connectivity, every, weights, records.reshape(-1), v1, x, x1, L, 0.1, 0.6, True, True
+            )
+        found.append((v1, x1, L))
+    for a, c in zip(*found, strict=True):
+        np.testing.assert_allclose(a, c, atol=1e-11)
 
 
 def test_vertex_transfers():
@@ -213,7 +268,7 @@ def test_vertex_transfers():
     m, V, s, b = rng.uniform(1, 2, n), rng.uniform(1, 2, n), rng.normal(size=(n, 6)), rng.normal(size=(1, 3))
     records = vector.records(nv)
     vertex.particles_to_vertices(
-        True, np.arange(2), 0, 2, np.array([0, 4, n]), connectivity, np.full(n, 4, dtype=np.int8),
+        np.arange(2), 0, 2, np.array([0, 4, n]), connectivity, np.full(n, 4, dtype=np.int8),
         weights, v, m, V, s, b, 1.0, 1.0, records.reshape(-1),
     )  # fmt: skip
     R, G = np.zeros((nv, n)), np.zeros((nv, n, 3))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from matpoint.interpolation.bspline import BSpline
 from matpoint.interpolation.contract import Interpolation
-from matpoint.interpolation.cpdi import CPDI1, CPDI2
+from matpoint.interpolation.cpdi import CPDI2
+from matpoint.interpolation.cpdi1 import CPDI1
 from matpoint.interpolation.enriched import EnrichedCPDI2
 from matpoint.interpolation.gimp import CPGIMP, UGIMP
 from matpoint.interpolation.linear import Linear

@@ -1,7 +1,8 @@
-"""CPDI1 and CPDI2: hats interpolated over convected particle domains (S, sections 2 and 3)."""
+"""CPDI2: hats interpolated over domains whose corners move with the material (S, section 3)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
@@ -11,68 +12,13 @@ import numpy as np
 from matpoint.errors import InputError
 from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting
 from matpoint.interpolation.hourglass import HourglassControl
-from matpoint.interpolation.vertex import VertexMapping
-from matpoint.kernels.corners import SIGNS, corner_weights, parallelepipeds
+from matpoint.interpolation.vertex import KIND_OF_DIM, VertexMapping, signs
+from matpoint.kernels.corners import corner_weights
+from matpoint.kernels.parallelepiped import parallelepipeds
 from matpoint.kernels.vertex import move_vertices
 from matpoint.quality import altitudes
 from matpoint.threads import BLOCK
 from matpoint.vertices import Vertices
-
-
-def _signs(dim: int) -> np.ndarray:
-    """Which way the half edge vectors go to each corner, shape (2^dim, 3)."""
-    return SIGNS[: 2**dim] * (np.arange(3) < dim)
-
-
-KIND_OF_DIM = (0, 1, 2)  # line, quadrilateral, hexahedron
-
-
-class StretchedVertices(VertexMapping):
-    """Corners of x_p +- r_k with r_k = F r_k0, each particle's own (S 16).
-
-    Corner c of particle p is vertex p * 2^dim + c, so that vertices follow the particles' order.
-    """
-
-    shared = False
-
-    def __init__(self, setting: Setting) -> None:
-        self.dim = setting.grid.dim
-        self._edges = setting.domains_edges
-        n, count = len(setting.particles), 2**self.dim
-        corners = np.arange(n * count, dtype=np.int32).reshape(n, count)
-        self._all = np.arange(n, dtype=np.int32)
-        super().__init__(
-            setting, Vertices(np.zeros((n * count, 3)), corners, np.full(n, KIND_OF_DIM[self.dim - 1]))
-        )
-        self._begin()
-
-    def _begin(self) -> None:
-        """Find where the corners were at first."""
-        x = self.particles.position0[:, None] + _signs(self.dim) @ self._edges
-        self.vertices.position0[:] = x.reshape(-1, 3)
-
-    def update_domains(self) -> None:
-        p, v = self.particles, self.vertices
-        self.team.split(
-            len(p),
-            lambda a, b: parallelepipeds(
-                a, b, self._all, 0, self.dim, p.position, p.deformation_gradient, self._edges,
-                v.position, v.weights,
-            ),
-        )  # fmt: skip
-
-    def permute(self, order: np.ndarray) -> None:
-        self._edges = np.ascontiguousarray(self._edges[order])
-        self._begin()
-        self.update_domains()
-
-    def state(self) -> dict[str, np.ndarray]:
-        return {"edges": self._edges}
-
-    def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        self._edges = np.array(arrays["edges"])
-        self._begin()
-        self.update_domains()
 
 
 class ConvectedVertices(VertexMapping):
@@ -100,50 +46,66 @@ class ConvectedVertices(VertexMapping):
     def update_domains(self, book: Book | None = None) -> None:
         p = self.particles
         own = p.position[self.fallen]
-        while True:
-            v = self.vertices
-            p.position[self.fallen] = own  # a pass before may have put centroids there
-            parallelepipeds(
-                0, len(self.fallen), self.fallen, self._shared, self.dim, p.position,
-                p.deformation_gradient, self._edges, v.position, v.weights,
-            )  # fmt: skip
-            found = self.team.blocks(len(p), partial(self._weigh, book))
-            turned = min((q for q in found if q >= 0), default=-1)
-            if turned < 0:
-                # A fallen domain is built around its particle: the centroid would only add rounding.
-                p.position[self.fallen] = own
-                return
-            if self._on_inversion == "stop" or turned in self.fallen:
-                raise ParticleError(
-                    turned,
-                    "its domain turned over (a corner Jacobian is not positive); refine, shorten the"
-                    ' step, or let such domains fall back with on_inversion = "cpdi1"',
-                )
-            own = np.append(own, p.position[[turned]], axis=0)  # where it is: nothing was written for it
-            self._fall_back(turned)
+        self._build_fallen(own)
+        turned = [q for some in self.team.blocks(len(p), partial(self._weigh, book)) for q in some]
+        if turned:
+            self._refuse(turned if self._on_inversion == "stop" else np.intersect1d(turned, self.fallen))
+            own = np.append(own, p.position[turned], axis=0)  # where they are: nothing was written for them
+            self._fall_back(np.array(turned))
+            self._build_fallen(own)
+            self._refuse([q for q in turned if self._weigh(None, q, q + 1)])
+        # A fallen domain is built around its particle: the centroid would only add rounding.
+        p.position[self.fallen] = own
 
-    def _weigh(self, book: Book | None, start: int, stop: int) -> int:
-        """Weights and centroids of domains start:stop; return the first that has turned over, or -1."""
-        p, v = self.particles, self.vertices
-        for a in range(start, stop, BLOCK):
-            b = min(a + BLOCK, stop)
+    @staticmethod
+    def _refuse(turned: Sequence[int] | np.ndarray) -> None:
+        if len(turned):
+            raise ParticleError(
+                int(min(turned)),
+                "its domain turned over (a corner Jacobian is not positive); refine, shorten the"
+                ' step, or let such domains fall back with on_inversion = "cpdi1"',
+            )
+
+    def _weigh(self, book: Book | None, start: int, stop: int) -> list[int]:
+        """Weights and centroids of domains start:stop; return those that have turned over.
+
+        Only the first of them, if it ends the run.
+        """
+        p, v, found = self.particles, self.vertices, []
+        for first in range(start, stop, BLOCK):
+            a, b = first, min(first + BLOCK, stop)
             before = self.team.scratch(BLOCK, 3)[: b - a]
             if book is not None:
                 before[:] = p.position[a:b]
-            turned = corner_weights(a, b, v.kind, v.connectivity, v.position, v.weights, p.position)
-            if turned >= 0:
-                return turned
+            while a < b:
+                turned = corner_weights(a, b, v.kind, v.connectivity, v.position, v.weights, p.position)
+                if turned < 0:
+                    break
+                found.append(turned)
+                if self._on_inversion == "stop":
+                    return found
+                a = turned + 1
             if book is not None:
-                book(a, b, before)
-        return -1
+                book(first, b, before)
+        return found
 
-    def _fall_back(self, particle: int) -> None:
-        """Give a particle a parallelepiped of its own instead of shared corners."""
-        first = self.particles.position0[particle] + _signs(self.dim) @ self._edges[particle]
-        self.vertices.detach(particle, first, KIND_OF_DIM[self.dim - 1])
-        self.fallen = np.append(self.fallen, particle)
+    def _build_fallen(self, position: np.ndarray) -> None:
+        """Put the corners of fallen domains around their particles, at ``position`` (m, 3) [m]."""
+        v, fallen = self.vertices, self.fallen
+        F = self.particles.deformation_gradient[fallen]
+        edges = np.einsum("pab,pkb->pka", F, self._edges[fallen])
+        parallelepipeds(
+            0, len(fallen), fallen, self._shared, self.dim, position, edges, v.position, v.weights
+        )
+
+    def _fall_back(self, particles: np.ndarray) -> None:
+        """Give particles parallelepipeds of their own instead of shared corners."""
+        first = self.particles.position0[particles, None] + signs(self.dim) @ self._edges[particles]
+        self.vertices.detach(particles, first, KIND_OF_DIM[self.dim - 1])
+        self.fallen = np.append(self.fallen, particles.astype(np.int32))
         if self._hourglass is not None:
-            self._hourglass.release(int(self.particles.id[particle]))
+            for particle in self.particles.id[particles]:
+                self._hourglass.release(int(particle))
         self._slabs = self.make_slabs()
 
     def push_vertices(self) -> None:
@@ -213,21 +175,6 @@ class ConvectedVertices(VertexMapping):
         used = np.arange(v.connectivity.shape[1]) < v.count[:, None]
         touches = (v.is_enriched[v.connectivity] & used).any(axis=1)
         return np.where(touches, altitudes(v), np.inf)
-
-
-@dataclass(frozen=True)
-class CPDI1(Interpolation):
-    """Parallelograms and parallelepipeds that deform with F (Sadeghirad et al. 2011)."""
-
-    uses_vertices: ClassVar[bool] = True
-    citation: ClassVar[tuple[str, ...]] = ("sulsky1994", "sadeghirad2011")
-
-    @property
-    def name(self) -> str:
-        return "cpdi1"
-
-    def bind(self, setting: Setting) -> Mapping:
-        return StretchedVertices(setting)
 
 
 def check_policy(method: str, on_inversion: str) -> None:

@@ -3,36 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 
+from matpoint.grid import Grid
 from matpoint.interpolation.box import LEFT, wide_bounds
 from matpoint.interpolation.contract import Book, Mapping, ParticleError, Setting
 from matpoint.kernels import vertex as kernels
+from matpoint.kernels.corners import SIGNS
 from matpoint.kernels.faces import add_forces
 from matpoint.nodes import Nodes, hat_axis
 from matpoint.sorting import Slabs, box_of
 from matpoint.vertices import Vertices
 
-_PAD = 2  # cells beyond the box, where corners of domains may reach
+PAD = 2  # cells beyond the box, where corners of domains may reach
+CORNER_LEFT = f"a corner of its domain is more than {PAD} cells out of the grid"
+KIND_OF_DIM = (0, 1, 2)  # line, quadrilateral, hexahedron
+
+
+def signs(dim: int) -> np.ndarray:
+    """Which way the half edge vectors of a parallelepiped go to each corner, shape (2^dim, 3)."""
+    return SIGNS[: 2**dim] * (np.arange(3) < dim)
+
+
+def bounds_of_corners(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """Return corners [m] of the box that domains may reach."""
+    lower, upper = wide_bounds(grid)
+    lower[: grid.dim] -= PAD * np.array(grid.cell)
+    upper[: grid.dim] += PAD * np.array(grid.cell)
+    return lower, upper
 
 
 class VertexMapping(Mapping):
     """Two-level transfers; a subclass says how vertices come about and how domains advance."""
 
-    shared: ClassVar[bool] = True  # several particles may have a corner in common
-
     def __init__(self, setting: Setting, vertices: Vertices) -> None:
         grid = setting.grid
         self.particles, self.team, self._vertices = setting.particles, setting.team, vertices
-        self.nodes = Nodes([hat_axis(grid, k, _PAD, _PAD) for k in range(grid.dim)], len(vertices.enriched))
+        self.nodes = Nodes([hat_axis(grid, k, PAD, PAD) for k in range(grid.dim)], len(vertices.enriched))
         self.position_next = self.particles.position.copy()
         self.bounds = wide_bounds(grid)
-        self._corner_bounds = self.bounds[0].copy(), self.bounds[1].copy()
-        for k in range(grid.dim):
-            self._corner_bounds[0][k] -= _PAD * grid.cell[k]
-            self._corner_bounds[1][k] += _PAD * grid.cell[k]
+        self._corner_bounds = bounds_of_corners(grid)
         self._slabs = self.make_slabs()
         self._loads: Sequence[tuple[np.ndarray, np.ndarray]] = ()
         self.update_domains()
@@ -58,19 +69,17 @@ class VertexMapping(Mapping):
             raise ParticleError(lost, LEFT)
         lost, low, high = box_of(self.team, corners, *self._corner_bounds)
         if lost >= 0:
-            owner = self.vertices.owner(lost)
-            raise ParticleError(owner, f"a corner of its domain is more than {_PAD} cells out of the grid")
+            raise ParticleError(self.vertices.owner(lost), CORNER_LEFT)
         self.nodes.active_within(low, high)
         self._slabs.renew(corners, low, high)
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs
-        if self.shared:
-            self.team.split(len(v), lambda a, b: v.records[a:b].fill(0.0))
+        self.team.split(len(v), lambda a, b: v.records[a:b].fill(0.0))
         self.team.coloured(
             v.edges,
             lambda runs, a, b: kernels.particles_to_vertices(
-                self.shared, runs, a, b, v.edges, v.connectivity, v.count, v.weights, p.velocity, p.mass,
+                runs, a, b, v.edges, v.connectivity, v.count, v.weights, p.velocity, p.mass,
                 p.volume, p.stress, body, float(kinematic), float(dynamic), v.flat,
             ),
         )  # fmt: skip

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from matpoint.jit import device, kernel
 from matpoint.kernels.content import contribution, take
+from matpoint.kernels.point import spread, value_at
 from matpoint.kernels.rows import row
 from matpoint.kernels.vector import fma, lane, load, scale, store, zero
 
@@ -86,26 +87,8 @@ def mass_times(ax, ay, az, ny, nz, source, target, slabs, start, stop, pointer, 
     for q in range(start, stop):
         for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
             p = order[r]
-            bx, wx, _ = row(ax, x[p, 0], 0.0)
-            by, wy, _ = row(ay, x[p, 1], 0.0)
-            bz, wz, _ = row(az, x[p, 2], 0.0)
-            value = zero()
-            for i in range(len(wx)):
-                for j in range(len(wy)):
-                    n = (((bx + i) * ny + by + j) * nz + bz) * 8
-                    line = zero()
-                    for k in range(len(wz)):
-                        line = fma(wz[k], load(source, n), line)
-                        n += 8
-                    value = fma(wx[i] * wy[j], line, value)
-            value = scale(mass[p], value)
-            for i in range(len(wx)):
-                for j in range(len(wy)):
-                    line = scale(wx[i] * wy[j], value)
-                    n = (((bx + i) * ny + by + j) * nz + bz) * 8
-                    for k in range(len(wz)):
-                        store(target, n, fma(wz[k], line, load(target, n)))
-                        n += 8
+            value = scale(mass[p], value_at(ax, ay, az, ny, nz, source, x, p))
+            spread(ax, ay, az, ny, nz, target, x, p, value)
 
 
 @device

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from matpoint.jit import device, kernel, set_item
+from matpoint.jit import device, kernel
 from matpoint.kernels.vector import (
     across_x,
     across_y,
@@ -24,9 +24,7 @@ from matpoint.kernels.vector import (
     pack,
     plus,
     scale,
-    splat,
     store_quadruples,
-    store_triples,
     times,
 )
 
@@ -37,8 +35,7 @@ SIGNS = np.array(
 )
 # A linear function's values at the two Gauss points of an edge, from those at its ends.
 _NEAR, _FAR = 0.5 + 0.5 / np.sqrt(3.0), 0.5 - 0.5 / np.sqrt(3.0)
-_SIGN_X, _SIGN_Y, _SIGN_Z = (np.ascontiguousarray(SIGNS[:, k]) for k in range(3))
-_HALF_X, _HALF_Y, _HALF_Z = 0.5 * _SIGN_X, 0.5 * _SIGN_Y, 0.5 * _SIGN_Z
+_HALF_X, _HALF_Y, _HALF_Z = (0.5 * SIGNS[:, k] for k in range(3))
 
 
 @device
@@ -90,7 +87,8 @@ def _triangle(p, corners, x, weights):
 
 
 @device
-def _cofactors(j00, j01, j02, j10, j11, j12, j20, j21, j22):
+def cofactors(j00, j01, j02, j10, j11, j12, j20, j21, j22):
+    """Return the cofactors of a matrix given by rows, as rows."""
     return (
         (j11 * j22 - j12 * j21, j12 * j20 - j10 * j22, j10 * j21 - j11 * j20),
         (j02 * j21 - j01 * j22, j00 * j22 - j02 * j20, j01 * j20 - j00 * j21),
@@ -101,7 +99,7 @@ def _cofactors(j00, j01, j02, j10, j11, j12, j20, j21, j22):
 @device
 def _tetrahedron(p, corners, x, weights):
     o, i, j, k = corners[p, 0], corners[p, 1], corners[p, 2], corners[p, 3]
-    e = _cofactors(
+    e = cofactors(
         x[i, 0] - x[o, 0], x[j, 0] - x[o, 0], x[k, 0] - x[o, 0],
         x[i, 1] - x[o, 1], x[j, 1] - x[o, 1], x[k, 1] - x[o, 1],
         x[i, 2] - x[o, 2], x[j, 2] - x[o, 2], x[k, 2] - x[o, 2],
@@ -246,52 +244,3 @@ def corner_weights(start, stop, kind, corners, x, weights, position):
             for k in range(3):
                 position[p, k] += weights[p, c, 0] * x[corners[p, c], k]
     return -1
-
-
-@device
-def _spread(centre, r, s, t):
-    """Centre +- r +- s +- t at the eight corners."""
-    return fma(t, load(_SIGN_Z, 0), fma(s, load(_SIGN_Y, 0), fma(r, load(_SIGN_X, 0), splat(centre))))
-
-
-@kernel
-def parallelepipeds(start, stop, index, first, dim, position, F, edges, x, weights):
-    """Corners x_p + sum s_k r_k with r_k = F r_k0 (S 16) and their weights (S 18, 19) for CPDI1.
-
-    ``edges[p, k]`` are initial half edge vectors; those of missing axes have length 1/2, so that
-    V = 8 r1 . (r2 x r3) serves every dimension. Corner c of the q-th particle of ``index`` is vertex
-    first + q * 2^dim + c.
-    """
-    count = 2**dim
-    fold = 2.0 ** (3 - dim)
-    flat, places = weights.reshape(-1), x.reshape(-1)
-    for q in range(start, stop):
-        p, vertex = index[q], first + q * count
-        r = (0.0,) * 9
-        for k in range(3):
-            e0, e1, e2 = edges[p, k, 0], edges[p, k, 1], edges[p, k, 2]
-            for a in range(3):
-                r = set_item(r, 3 * k + a, F[p, a, 0] * e0 + F[p, a, 1] * e1 + F[p, a, 2] * e2)
-        # Rows of the cofactor matrix are r2 x r3, r3 x r1, r1 x r2.
-        e = _cofactors(r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8])
-        s = fold / (8.0 * (r[0] * e[0][0] + r[1] * e[0][1] + r[2] * e[0][2]))
-        if dim == 3:
-            store_triples(
-                places, 3 * vertex,
-                _spread(position[p, 0], r[0], r[3], r[6]),
-                _spread(position[p, 1], r[1], r[4], r[7]),
-                _spread(position[p, 2], r[2], r[5], r[8]),
-            )  # fmt: skip
-            store_quadruples(
-                flat, 32 * p, splat(0.125),
-                _spread(0.0, s * e[0][0], s * e[1][0], s * e[2][0]),
-                _spread(0.0, s * e[0][1], s * e[1][1], s * e[2][1]),
-                _spread(0.0, s * e[0][2], s * e[1][2], s * e[2][2]),
-            )  # fmt: skip
-            continue
-        for c in range(count):
-            u, v = SIGNS[c, 0], SIGNS[c, 1] if dim > 1 else 0.0
-            for a in range(3):
-                x[vertex + c, a] = position[p, a] + u * r[a] + v * r[3 + a]
-                weights[p, c, a + 1] = s * (u * e[0][a] + v * e[1][a])
-            weights[p, c, 0] = 1.0 / count

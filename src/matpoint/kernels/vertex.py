@@ -12,8 +12,8 @@ import numpy as np
 
 from matpoint.jit import kernel
 from matpoint.kernels.content import contribution, take
-from matpoint.kernels.rows import row
-from matpoint.kernels.vector import fma, load, scale, store, zero
+from matpoint.kernels.point import spread, value_at
+from matpoint.kernels.vector import fma, load, store, zero
 
 
 @kernel
@@ -43,13 +43,12 @@ def independent_blocks(corners, vertices, smallest, edges):
 
 @kernel
 def particles_to_vertices(
-    shared, runs, start, stop, edges, corners, count, weights, v, mass, volume, stress, body, kinematic, dynamic,
+    runs, start, stop, edges, corners, count, weights, v, mass, volume, stress, body, kinematic, dynamic,
     records,
 ):  # fmt: skip
     """Add what particles bring to the records of their corners (S 1, 2, 9, 23).
 
-    The particles are those of runs[start:stop], run k being edges[k]:edges[k + 1]. Unless corners are
-    ``shared``, what the records held is overwritten.
+    The particles are those of runs[start:stop], run k being edges[k]:edges[k + 1].
     """
     for q in range(start, stop):
         for p in range(edges[runs[q]], edges[runs[q] + 1]):
@@ -58,7 +57,7 @@ def particles_to_vertices(
             )
             for c in range(count[p]):
                 a = 8 * corners[p, c]
-                record = fma(weights[p, c, 0], content, load(records, a) if shared else zero())
+                record = fma(weights[p, c, 0], content, load(records, a))
                 record = fma(weights[p, c, 1], pull_x, record)
                 record = fma(weights[p, c, 2], pull_y, record)
                 store(records, a, fma(weights[p, c, 3], pull_z, record))
@@ -70,17 +69,7 @@ def vertices_to_nodes(ax, ay, az, ny, nz, nodes, slabs, start, stop, pointer, or
     for q in range(start, stop):
         for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
             a = order[r]
-            record = load(records, 8 * a)
-            bx, wx, _ = row(ax, x[a, 0], 0.0)
-            by, wy, _ = row(ay, x[a, 1], 0.0)
-            bz, wz, _ = row(az, x[a, 2], 0.0)
-            for i in range(len(wx)):
-                for j in range(len(wy)):
-                    line = scale(wx[i] * wy[j], record)
-                    n = (((bx + i) * ny + by + j) * nz + bz) * 8
-                    for k in range(len(wz)):
-                        store(nodes, n, fma(wz[k], line, load(nodes, n)))
-                        n += 8
+            spread(ax, ay, az, ny, nz, nodes, x, a, load(records, 8 * a))
 
 
 @kernel
@@ -88,19 +77,7 @@ def nodes_to_vertices(ax, ay, az, ny, nz, nodes, start, stop, points, x, records
     """The nodes' velocity and increment at vertices points[start:stop]: sum_i S_i(x_a) (S 17)."""
     for q in range(start, stop):
         a = points[q]
-        bx, wx, _ = row(ax, x[a, 0], 0.0)
-        by, wy, _ = row(ay, x[a, 1], 0.0)
-        bz, wz, _ = row(az, x[a, 2], 0.0)
-        value = zero()
-        for i in range(len(wx)):
-            for j in range(len(wy)):
-                n = (((bx + i) * ny + by + j) * nz + bz) * 8
-                line = zero()
-                for k in range(len(wz)):
-                    line = fma(wz[k], load(nodes, n), line)
-                    n += 8
-                value = fma(wx[i] * wy[j], line, value)
-        store(records, 8 * a, value)
+        store(records, 8 * a, value_at(ax, ay, az, ny, nz, nodes, x, a))
 
 
 @kernel
