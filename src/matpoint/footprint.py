@@ -10,6 +10,7 @@ import numpy as np
 
 from matpoint.errors import InputError
 from matpoint.simulation import Simulation
+from matpoint.vertices import Vertices
 
 
 def held(sim: Simulation) -> Iterator[tuple[str, str, np.ndarray]]:
@@ -34,13 +35,13 @@ def held(sim: Simulation) -> Iterator[tuple[str, str, np.ndarray]]:
                 yield from walk(value, group, name)
         elif id(thing) not in seen and type(thing).__module__.startswith("matpoint"):
             seen.add(id(thing))
+            group = "domains" if isinstance(thing, Vertices) else group
             for key, value in getattr(thing, "__dict__", {}).items():
                 yield from walk(value, group, key)
 
     engine = sim.engine
     yield from walk(engine.particles, "particles", "")
     yield from walk(engine.mapping.nodes, "nodes", "")
-    yield from walk(engine.mapping.vertices, "domains", "")
     yield from walk(engine, "transfers", "")
 
 

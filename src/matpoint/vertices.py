@@ -8,7 +8,7 @@ from matpoint.kernels import EVERY_POINT
 from matpoint.kernels.corners import CORNERS, corner_weights
 from matpoint.kernels.order import reorder
 from matpoint.kernels.vector import records
-from matpoint.kernels.vertex import independent_blocks
+from matpoint.kernels.vertex import find_first, independent_blocks
 
 _SHORTEST = 256  # particles of a run; fewer are not worth a thread's while
 
@@ -30,6 +30,9 @@ class Vertices:
         What a node record holds, for each vertex.
     edges : ndarray of int64
         Run k of particles is edges[k]:edges[k + 1]; runs two or more apart share no vertex.
+    first : ndarray of uint8, shape (n,)
+        Bit c is set if the particle is the first to add to its corner c; ``idle`` lists the vertices without
+        any particle.
     enriched : ndarray of int64
         The vertices that are degrees of freedom of their own; ``ordinary`` are the others, ``EVERY_POINT`` if
         that is all of them.
@@ -70,6 +73,10 @@ class Vertices:
         edges = np.zeros(len(self.connectivity) // _SHORTEST + 2, dtype=np.int64)
         taken = independent_blocks(self.connectivity, len(self), _SHORTEST, edges)
         self.edges = edges[:taken].copy()
+        seen = np.zeros(len(self), dtype=bool)
+        self.first = np.zeros(len(self.connectivity), dtype=np.uint8)
+        find_first(self.edges, self.connectivity, self.count, seen, self.first)
+        self.idle = np.flatnonzero(~seen)
 
     def owner(self, vertex: int) -> int:
         """Return the first particle with a vertex among its corners."""

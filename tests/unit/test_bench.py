@@ -65,9 +65,9 @@ def test_model_by_hand():
     assert linear["nodes to particles and stress"] == 4 * 24 + 64 / 8 + 4 + 72 + 8 + 72 + 8 + 48
     assert linear["particles to nodes"] == 4 + 24 + 24 + 8 + 8 + 48 + 2 * 64 / 8
     assert bytes_per_stage("bspline2", 2)["clear"] == pytest.approx(64 / 9)
-    # corners of CPDI1 are its own, those of CPDI2 shared, and emptied first: eight vertices to one
-    one, two = (bytes_per_stage(name, 3) for name in ("cpdi1", "cpdi2"))
-    assert one["particles to nodes"] - two["particles to nodes"] == 7 * (64 + 64 + 4 + 24) - 2 * 64
+    one, two = (bytes_per_stage(name, 3)["particles to nodes"] for name in ("cpdi1", "cpdi2"))
+    assert one == linear["particles to nodes"] + 72
+    assert two == 32 + 1 + 256 + 24 + 8 + 8 + 48 + 4 + 24 + 2 * 64 + 2 * 8
 
 
 def test_operations_by_hand():

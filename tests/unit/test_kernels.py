@@ -223,7 +223,7 @@ def test_parallelepipeds_transfer_what_their_corners_would(dim):
     through, at_once = (Nodes([hat_axis(grid, k, 0, 0) for k in range(dim)]) for _ in range(2))
     ny, nz = through.shape[1:]
     vertex.particles_to_vertices(
-        np.arange(1), 0, 1, np.array([0, n]), connectivity, every, weights, v, m, V, s, b, 1.0, 1.0,
+        np.arange(1), 0, 1, np.array([0, n]), connectivity, every, np.full(n, 255, dtype=np.uint8), weights, v, m, V, s, b, 1.0, 1.0,
         records.reshape(-1),
     )  # fmt: skip
     vertex.vertices_to_nodes(
@@ -239,7 +239,7 @@ def test_parallelepipeds_transfer_what_their_corners_would(dim):
 
     vertex.nodes_to_vertices(
         *through.rows, ny, nz, through.flat, 0, n * count, np.arange(n * count, dtype=np.int32), corner,
-        records.reshape(-1),
+        records.reshape(-1), np.zeros_like(corner), 0.0, False,
     )  # fmt: skip
     found = []
     for own in (False, True):
@@ -266,10 +266,16 @@ def test_vertex_transfers():
     connectivity = rng.integers(0, nv, (n, 4)).astype(np.int32)
     weights, v = rng.normal(size=(n, 4, 4)), rng.normal(size=(n, 3))
     m, V, s, b = rng.uniform(1, 2, n), rng.uniform(1, 2, n), rng.normal(size=(n, 6)), rng.normal(size=(1, 3))
+    edges, every = np.array([0, 2, 4, n]), np.full(n, 4, dtype=np.int8)
+    seen, first = np.zeros(nv, dtype=bool), np.zeros(n, dtype=np.uint8)
+    vertex.find_first(edges, connectivity, every, seen, first)
+    np.testing.assert_array_equal(seen, np.isin(np.arange(nv), connectivity))
+    assert sum(int(bits).bit_count() for bits in first) == seen.sum()
     records = vector.records(nv)
+    records[seen] = 7.0  # of the step before
     vertex.particles_to_vertices(
-        np.arange(2), 0, 2, np.array([0, 4, n]), connectivity, np.full(n, 4, dtype=np.int8),
-        weights, v, m, V, s, b, 1.0, 1.0, records.reshape(-1),
+        np.array([0, 2, 1]), 0, 3, edges, connectivity, every, first, weights,
+        v, m, V, s, b, 1.0, 1.0, records.reshape(-1),
     )  # fmt: skip
     R, G = np.zeros((nv, n)), np.zeros((nv, n, 3))
     for p in range(n):
@@ -297,18 +303,16 @@ def test_vertex_transfers():
     )  # fmt: skip
     np.testing.assert_allclose(field.records, S.T @ records, atol=1e-11)
     back = vector.records(nv)
+    moved, again = np.zeros_like(x), np.zeros_like(x)
     vertex.nodes_to_vertices(
-        *field.rows,
-        field.shape[1],
-        field.shape[2],
-        field.flat,
-        0,
-        nv,
-        np.arange(nv, dtype=np.int32),
-        x,
-        back.reshape(-1),
-    )
+        *field.rows, *field.shape[1:], field.flat, 0, nv, np.arange(nv, dtype=np.int32), x, back.reshape(-1),
+        moved, 0.3, True,
+    )  # fmt: skip
     np.testing.assert_allclose(back, S @ field.records, atol=1e-11)
+    np.testing.assert_allclose(moved, x + 0.3 * back[:, :3], atol=1e-14)
+    vertex.move_vertices(1, 4, np.array([0, 2, 5, 7, 8]), back.reshape(-1), x, again, 0.3)
+    np.testing.assert_array_equal(again[[2, 5, 7]], moved[[2, 5, 7]])
+    assert not again[[0, 8]].any()
     v1, x0, x1, L = v.copy(), rng.normal(size=(n, 3)), np.zeros((n, 3)), np.zeros((n, 3, 3))
     vertex.vertices_to_particles(
         0,
@@ -329,9 +333,6 @@ def test_vertex_transfers():
     np.testing.assert_allclose(v1, 0.6 * (v + R.T @ back[:, 4:7]) + 0.4 * (R.T @ back[:, :3]), atol=1e-11)
     np.testing.assert_allclose(x1, x0 + 0.1 * (R.T @ back[:, :3]), atol=1e-11)
     np.testing.assert_allclose(L, np.einsum("ac,apb->pcb", back[:, :3], G), atol=1e-11)
-    moved = np.zeros_like(x)
-    vertex.move_vertices(0, nv, back.reshape(-1), x, moved, 0.3)
-    np.testing.assert_allclose(moved, x + 0.3 * back[:, :3], atol=1e-14)
 
 
 def test_solve_with_damping():

@@ -17,7 +17,7 @@ Traffic = tuple[tuple[str, ...], tuple[str, ...]]  # arrays read, arrays written
 # Bytes per particle of the arrays over particles.
 _FIELDS: dict[str, float] = {
     "position": 24, "velocity": 24, "mass": 8, "volume": 8, "volume0": 8, "stress": 48, "F": 72,
-    "half": 24, "half0": 24, "edges": 72, "index": 4,
+    "half": 24, "half0": 24, "edges": 72, "edges0": 72, "index": 4, "first": 1,
 }  # fmt: skip
 
 # kernels/locate.py: a look at the bounds, then a counting sort by slab of "index" (slab, order).
@@ -43,51 +43,25 @@ _BOXES: dict[str, Traffic] = {
 }
 _BOXES[_RETURN] = ((*_POINTS[_RETURN][0], "half"), _POINTS[_RETURN][1])
 _STRETCHED: dict[str, Traffic] = {**_BOXES, "advance": ((*_BOOK, "F", "half0"), ("half",))}
-# kernels/vertex.py: "weights" are R and G of all corners. Shared records are emptied before particles add to
-# them.
-_VERTICES: dict[str, Traffic] = {
+# kernels/parallelepiped.py: corners are made of positions and half edges, r_k = F r_k0.
+_PARALLELEPIPEDS: dict[str, Traffic] = {
+    **_POINTS,
+    "particles to nodes": ((*_POINTS["particles to nodes"][0], "edges"), ("node",)),
+    _RETURN: ((*_POINTS[_RETURN][0], "edges"), _POINTS[_RETURN][1]),
+    "advance": ((*_BOOK, "F", "edges0"), ("edges",)),
+}
+# kernels/vertex.py: "weights" are R and G of all corners, "first" tells who adds to a record first.
+_SHARED: dict[str, Traffic] = {
     "locate": (("position", "corners", "corners", "slab", "slab", "slab"), ("slab", "slab")),
     **_NODES,
     "particles to nodes": (
-        (
-            "connectivity",
-            "weights",
-            "velocity",
-            "mass",
-            "volume",
-            "stress",
-            "records",
-            "slab",
-            "corners",
-            "node",
-        ),
+        ("connectivity", "first", "weights", "velocity", "mass", "volume", "stress")
+        + ("slab", "corners", "records", "node"),
         ("records", "node"),
     ),
     _RETURN: (
-        (
-            "slab",
-            "corners",
-            "node",
-            "connectivity",
-            "weights",
-            "records",
-            "velocity",
-            "position",
-            *_STRESS[0],
-        ),
-        ("records", "velocity", "position", *_STRESS[1]),
-    ),
-    "advance": ((*_BOOK, "position", "F", "edges"), ("corners", "weights")),  # CPDI1: x_p +- F r
-}
-_SHARED: dict[str, Traffic] = {
-    **_VERTICES,
-    "particles to nodes": (
-        (*_VERTICES["particles to nodes"][0], "records"),
-        (*_VERTICES["particles to nodes"][1], "records"),
-    ),
-    _RETURN: (  # then every corner moves with its record
-        (*_VERTICES[_RETURN][0], "records", "corners"),
-        (*_VERTICES[_RETURN][1], "corners"),
+        ("slab", "corners", "node", "connectivity", "weights", "records", "velocity", *_STRESS[0]),
+        ("records", "corners", "velocity", *_STRESS[1]),
     ),
     "advance": ((*_BOOK, "connectivity", "corners"), ("weights", "position")),
 }
@@ -95,17 +69,18 @@ _SHARED: dict[str, Traffic] = {
 #: Row -> its table. The reconstructions have none: they compute, and memory hardly matters.
 TABLES: dict[str, dict[str, Traffic]] = {
     "linear": _POINTS, "bspline2": _POINTS, "bspline3": _POINTS, "ugimp": _BOXES, "cpgimp": _STRETCHED,
-    "cpdi1": _VERTICES, "cpdi2": _SHARED, "enriched-cpdi2": _SHARED,
+    "cpdi1": _PARALLELEPIPEDS, "cpdi2": _SHARED, "enriched-cpdi2": _SHARED,
 }  # fmt: skip
 
 
 def sizes(name: str, dim: int) -> dict[str, float]:
     """Return the bytes per particle of every array that the tables name."""
     corners = 2**dim
-    vertices = corners if name == "cpdi1" else 1  # of its own, or shared by as many as a corner has domains
     nodes = 1.0 / PER_CELL[dim] ** dim
     return _FIELDS | {
-        "node": 64.0 * nodes, "corners": 24.0 * vertices, "records": 64.0 * vertices, "slab": 4.0 * vertices,
+        "node": 64.0 * nodes,
+        # A vertex is shared by as many domains as a domain has corners.
+        "corners": 24.0, "records": 64.0, "slab": 4.0,
         "connectivity": 4.0 * corners, "weights": 32.0 * corners,
     }  # fmt: skip
 

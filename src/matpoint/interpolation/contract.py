@@ -183,11 +183,11 @@ class Mapping(ABC):
         ``gradient`` (m, 3, 3) [1/s] is theirs alone, from ``start`` on. Called on several threads at once.
         """
 
-    def nodes_to_vertices(self) -> None:  # noqa: B027 (only one family has them)
-        """Bring the nodes' velocities to the corners of domains, if it has any."""
+    def nodes_to_vertices(self, dt: float, *, move: bool) -> None:  # noqa: B027 (only one family has them)
+        """Bring the nodes' velocities to the corners of domains, if it keeps any.
 
-    def move_vertices(self, dt: float) -> None:  # noqa: B027 (most stay)
-        """Take note of where the corners of domains go, if the grid's velocity carries them."""
+        If the grid's velocity carries them, take note of where they are after ``dt``, if they ``move``.
+        """
 
     def to_particles(self, dt: float, flip: float, *, move: bool, deform: Deform | None = None) -> int:
         """Bring velocity and next position (``move``) to the particles, and deform them.
@@ -195,7 +195,7 @@ class Mapping(ABC):
         ``deform`` is handed velocity gradients of a block of particles as soon as they are known, while
         they are in the processor's cache; none are kept. Return the lowest particle that it refused, or -1.
         """
-        self.nodes_to_vertices()
+        self.nodes_to_vertices(dt, move=move)
 
         def piece(start: int, stop: int) -> int:
             gradient = self.team.scratch(min(BLOCK, len(self.particles)) if deform else 0, 3, 3)
@@ -207,10 +207,7 @@ class Mapping(ABC):
                     return bad
             return -1
 
-        bad = first_fault(self.team, len(self.particles), piece)
-        if move and bad < 0:
-            self.move_vertices(dt)
-        return bad
+        return first_fault(self.team, len(self.particles), piece)
 
     @abstractmethod
     def advance(self, book: Book | None = None) -> None:

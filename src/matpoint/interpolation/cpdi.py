@@ -15,7 +15,6 @@ from matpoint.interpolation.hourglass import HourglassControl
 from matpoint.interpolation.vertex import KIND_OF_DIM, VertexMapping, signs
 from matpoint.kernels.corners import corner_weights
 from matpoint.kernels.parallelepiped import parallelepipeds
-from matpoint.kernels.vertex import move_vertices
 from matpoint.quality import altitudes
 from matpoint.threads import BLOCK
 from matpoint.vertices import Vertices
@@ -125,10 +124,6 @@ class ConvectedVertices(VertexMapping):
         rank[order] = np.arange(len(order))
         self.fallen = rank[self.fallen]
         super().permute(order)
-
-    def move_vertices(self, dt: float) -> None:
-        v = self.vertices
-        self.team.split(len(v), lambda a, b: move_vertices(a, b, v.flat, v.position, v.position_next, dt))
 
     def advance(self, book: Book | None = None) -> None:
         v = self.vertices

@@ -75,12 +75,12 @@ class VertexMapping(Mapping):
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs
-        self.team.split(len(v), lambda a, b: v.records[a:b].fill(0.0))
+        v.records[v.idle] = 0.0
         self.team.coloured(
             v.edges,
             lambda runs, a, b: kernels.particles_to_vertices(
-                runs, a, b, v.edges, v.connectivity, v.count, v.weights, p.velocity, p.mass,
-                p.volume, p.stress, body, float(kinematic), float(dynamic), v.flat,
+                runs, a, b, v.edges, v.connectivity, v.count, v.first, v.weights, p.velocity,
+                p.mass, p.volume, p.stress, body, float(kinematic), float(dynamic), v.flat,
             ),
         )  # fmt: skip
         if dynamic:
@@ -94,15 +94,21 @@ class VertexMapping(Mapping):
         # An enriched vertex is a node: zeta = 1 for its own degree of freedom (S 26, corrected).
         n.records[n.on_grid :] += v.records[v.enriched]
 
-    def nodes_to_vertices(self) -> None:
+    def nodes_to_vertices(self, dt: float, *, move: bool) -> None:
         v, n, s = self.vertices, self.nodes, self._slabs
         self.team.split(
             len(s.order),
             lambda a, b: kernels.nodes_to_vertices(
-                *n.rows, n.shape[1], n.shape[2], n.flat, a, b, s.order, v.position, v.flat
+                *n.rows, n.shape[1], n.shape[2], n.flat, a, b, s.order, v.position, v.flat, v.position_next,
+                dt, move,
             ),
-        )
+        )  # fmt: skip
         v.records[v.enriched] = n.records[n.on_grid :]
+        if move:
+            self.team.split(
+                len(v.enriched),
+                lambda a, b: kernels.move_vertices(a, b, v.enriched, v.flat, v.position, v.position_next, dt),
+            )
 
     def bring(
         self,

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from matpoint.jit import kernel
+from matpoint.jit import device, kernel
 from matpoint.kernels.content import contribution, take
 from matpoint.kernels.point import spread, value_at
-from matpoint.kernels.vector import fma, load, store, zero
+from matpoint.kernels.vector import fma, lane, load, store, zero
 
 
 @kernel
@@ -42,13 +42,31 @@ def independent_blocks(corners, vertices, smallest, edges):
 
 
 @kernel
+def find_first(edges, corners, count, seen, first):
+    """Bit c of ``first[p]``: no particle adds to corner c of p before p does, even runs before odd ones.
+
+    ``seen`` (vertices,), False throughout, tells afterwards which have any particle.
+    """
+    for colour in range(2):
+        for k in range(colour, edges.shape[0] - 1, 2):
+            for p in range(edges[k], edges[k + 1]):
+                bits = 0
+                for c in range(count[p]):
+                    if not seen[corners[p, c]]:
+                        seen[corners[p, c]] = True
+                        bits |= 1 << c
+                first[p] = bits
+
+
+@kernel
 def particles_to_vertices(
-    runs, start, stop, edges, corners, count, weights, v, mass, volume, stress, body, kinematic, dynamic,
+    runs, start, stop, edges, corners, count, first, weights, v, mass, volume, stress, body, kinematic, dynamic,
     records,
 ):  # fmt: skip
-    """Add what particles bring to the records of their corners (S 1, 2, 9, 23).
+    """Sum what particles bring to the records of their corners (S 1, 2, 9, 23).
 
-    The particles are those of runs[start:stop], run k being edges[k]:edges[k + 1].
+    The particles are those of runs[start:stop], run k being edges[k]:edges[k + 1]. What a record held before
+    is forgotten by the ``first`` that adds to it.
     """
     for q in range(start, stop):
         for p in range(edges[runs[q]], edges[runs[q] + 1]):
@@ -57,10 +75,10 @@ def particles_to_vertices(
             )
             for c in range(count[p]):
                 a = 8 * corners[p, c]
-                record = fma(weights[p, c, 0], content, load(records, a))
-                record = fma(weights[p, c, 1], pull_x, record)
-                record = fma(weights[p, c, 2], pull_y, record)
-                store(records, a, fma(weights[p, c, 3], pull_z, record))
+                before = zero() if (first[p] >> c) & 1 else load(records, a)
+                record = fma(weights[p, c, 1], pull_x, fma(weights[p, c, 0], content, before))
+                record = fma(weights[p, c, 3], pull_z, fma(weights[p, c, 2], pull_y, record))
+                store(records, a, record)
 
 
 @kernel
@@ -72,12 +90,30 @@ def vertices_to_nodes(ax, ay, az, ny, nz, nodes, slabs, start, stop, pointer, or
             spread(ax, ay, az, ny, nz, nodes, x, a, load(records, 8 * a))
 
 
+@device
+def _move(a, value, x, x_next, dt):
+    """Corners move with the grid velocity: x_a += dt sum_i S_i(x_a) v_i (S, section 3)."""
+    for k in range(3):
+        x_next[a, k] = x[a, k] + dt * lane(value, k)
+
+
 @kernel
-def nodes_to_vertices(ax, ay, az, ny, nz, nodes, start, stop, points, x, records):
-    """The nodes' velocity and increment at vertices points[start:stop]: sum_i S_i(x_a) (S 17)."""
+def nodes_to_vertices(ax, ay, az, ny, nz, nodes, start, stop, points, x, records, x_next, dt, move):
+    """The nodes' velocity and increment at vertices points[start:stop] (S 17), and where they ``move``."""
     for q in range(start, stop):
         a = points[q]
-        store(records, 8 * a, value_at(ax, ay, az, ny, nz, nodes, x, a))
+        value = value_at(ax, ay, az, ny, nz, nodes, x, a)
+        store(records, 8 * a, value)
+        if move:
+            _move(a, value, x, x_next, dt)
+
+
+@kernel
+def move_vertices(start, stop, points, records, x, x_next, dt):
+    """Move vertices points[start:stop], whose velocities are in their records."""
+    for q in range(start, stop):
+        a = points[q]
+        _move(a, load(records, 8 * a), x, x_next, dt)
 
 
 @kernel
@@ -99,11 +135,3 @@ def vertices_to_particles(
         take(
             p, start, value, along_x, along_y, along_z, v, x, x_next, gradient, dt, flip, move, differentiate
         )  # fmt: skip
-
-
-@kernel
-def move_vertices(start, stop, records, x, x_next, dt):
-    """Corners move with the grid velocity: x_a += dt sum_i S_i(x_a) v_i (S, section 3)."""
-    for a in range(start, stop):
-        for k in range(3):
-            x_next[a, k] = x[a, k] + dt * records[8 * a + k]
