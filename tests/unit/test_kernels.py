@@ -223,8 +223,8 @@ def test_parallelepipeds_transfer_what_their_corners_would(dim):
     through, at_once = (Nodes([hat_axis(grid, k, 0, 0) for k in range(dim)]) for _ in range(2))
     ny, nz = through.shape[1:]
     vertex.particles_to_vertices(
-        np.arange(1), 0, 1, np.array([0, n]), connectivity, every, np.full(n, 255, dtype=np.uint8), weights, v, m, V, s, b, 1.0, 1.0,
-        records.reshape(-1),
+        np.arange(1), 0, 1, np.array([0, n]), connectivity, every, np.full(n, 255, dtype=np.uint8), weights,
+        v, m, V, s, b, 1.0, 1.0, records.reshape(-1),
     )  # fmt: skip
     vertex.vertices_to_nodes(
         *through.rows, ny, nz, through.flat, np.arange(1), 0, 1, np.array([0, n * count]),

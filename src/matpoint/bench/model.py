@@ -51,12 +51,12 @@ _PARALLELEPIPEDS: dict[str, Traffic] = {
     "advance": ((*_BOOK, "F", "edges0"), ("edges",)),
 }
 # kernels/vertex.py: "weights" are R and G of all corners, "first" tells who adds to a record first.
+_TO_VERTICES = ("connectivity", "first", "weights", "velocity", "mass", "volume", "stress")
 _SHARED: dict[str, Traffic] = {
     "locate": (("position", "corners", "corners", "slab", "slab", "slab"), ("slab", "slab")),
     **_NODES,
     "particles to nodes": (
-        ("connectivity", "first", "weights", "velocity", "mass", "volume", "stress")
-        + ("slab", "corners", "records", "node"),
+        (*_TO_VERTICES, "slab", "corners", "records", "node"),
         ("records", "node"),
     ),
     _RETURN: (
@@ -117,7 +117,7 @@ def operations_per_stage(name: str, dim: int) -> dict[str, float]:
         each_way = float(_LANES * (4 * reach + 3 * lines + 2 * nodes))
         return {"particles to nodes": each_way, _RETURN: each_way + _STRESS_OPERATIONS}
     vertices = corners if name == "cpdi1" else 1
-    # kernels/vertex.py: between a corner and its cell, and four steps between a corner and its particle.
+    # Between a corner and its cell, and four steps between a corner and its particle.
     each_way = float(_LANES * (vertices * (lines + nodes) + 4 * corners))
     weights = {"advance": float(_LANES * _HEXAHEDRON)} if dim == 3 and name != "cpdi1" else {}
     return {"particles to nodes": each_way, _RETURN: each_way + _STRESS_OPERATIONS, **weights}
