@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from matpoint.grid import Grid
-from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting
+from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting, Take
 from matpoint.kernels import box as kernels
 from matpoint.nodes import Axis, Nodes
 from matpoint.sorting import Slabs, box_of
@@ -84,21 +84,11 @@ class BoxMapping(Mapping):
             kinematic=kinematic, dynamic=dynamic,
         )  # fmt: skip
 
-    def bring(
-        self,
-        start: int,
-        stop: int,
-        dt: float,
-        flip: float,
-        gradient: np.ndarray,
-        *,
-        move: bool,
-        differentiate: bool,
-    ) -> None:
+    def bring(self, start: int, stop: int, gradient: np.ndarray, take: Take) -> None:
         p, n = self.particles, self.nodes
         kernels.nodes_to_particles(
             *n.rows, n.shape[1], n.shape[2], n.flat, start, stop, p.position, self.half, p.velocity,
-            self.position_next, gradient, dt, flip, move, differentiate,
+            self.position_next, gradient, *take,
         )  # fmt: skip
 
     def affine_to_nodes(self) -> None:

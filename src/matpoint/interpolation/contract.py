@@ -12,7 +12,7 @@ from collections.abc import Mapping as Mapping_
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -136,6 +136,25 @@ class Held:
     after: np.ndarray
 
 
+class Take(NamedTuple):
+    """What particles take from the nodes, as kernels take it.
+
+    Attributes
+    ----------
+    dt, flip
+        The step [s], and FLIP's share of the velocity.
+    move
+        Velocity and next position.
+    differentiate
+        The velocity gradient.
+    """
+
+    dt: float
+    flip: float
+    move: bool
+    differentiate: bool
+
+
 class Mapping(ABC):
     """An interpolation bound to a grid and particles: transfers both ways.
 
@@ -167,20 +186,11 @@ class Mapping(ABC):
         """
 
     @abstractmethod
-    def bring(
-        self,
-        start: int,
-        stop: int,
-        dt: float,
-        flip: float,
-        gradient: np.ndarray,
-        *,
-        move: bool,
-        differentiate: bool,
-    ) -> None:
-        """Bring velocity and next position (``move``) and the velocity gradient to particles start:stop.
+    def bring(self, start: int, stop: int, gradient: np.ndarray, take: Take) -> None:
+        """Bring to particles start:stop what they take from the nodes.
 
-        ``gradient`` (m, 3, 3) [1/s] is theirs alone, from ``start`` on. Called on several threads at once.
+        ``gradient`` (m, 3, 3) [1/s] receives their velocity gradients, from ``start`` on. Called on several
+        threads at once.
         """
 
     def nodes_to_vertices(self, dt: float, *, move: bool) -> None:  # noqa: B027 (only one family has them)
@@ -196,12 +206,13 @@ class Mapping(ABC):
         they are in the processor's cache; none are kept. Return the lowest particle that it refused, or -1.
         """
         self.nodes_to_vertices(dt, move=move)
+        take = Take(dt, flip, move, deform is not None)
 
         def piece(start: int, stop: int) -> int:
             gradient = self.team.scratch(min(BLOCK, len(self.particles)) if deform else 0, 3, 3)
             for a in range(start, stop, BLOCK):
                 b = min(a + BLOCK, stop)
-                self.bring(a, b, dt, flip, gradient, move=move, differentiate=deform is not None)
+                self.bring(a, b, gradient, take)
                 bad = -1 if deform is None else deform(a, b, gradient)
                 if bad >= 0:
                     return bad

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from matpoint.interpolation.box import LEFT, wide_bounds
-from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting
+from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting, Take
 from matpoint.interpolation.vertex import CORNER_LEFT, KIND_OF_DIM, PAD, bounds_of_corners, signs
 from matpoint.kernels.parallelepiped import (
     nodes_to_particles,
@@ -84,21 +84,11 @@ class ParallelepipedMapping(Mapping):
             ),
         )  # fmt: skip
 
-    def bring(
-        self,
-        start: int,
-        stop: int,
-        dt: float,
-        flip: float,
-        gradient: np.ndarray,
-        *,
-        move: bool,
-        differentiate: bool,
-    ) -> None:
+    def bring(self, start: int, stop: int, gradient: np.ndarray, take: Take) -> None:
         p, n = self.particles, self.nodes
         nodes_to_particles(
             *n.rows, n.shape[1], n.shape[2], n.flat, start, stop, self._grid.dim, p.position,
-            self._edges, p.velocity, self.position_next, gradient, dt, flip, move, differentiate,
+            self._edges, p.velocity, self.position_next, gradient, *take,
         )  # fmt: skip
 
     def advance(self, book: Book | None = None) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from matpoint.grid import Grid
 from matpoint.interpolation.box import LEFT, wide_bounds
-from matpoint.interpolation.contract import Book, Mapping, ParticleError, Setting
+from matpoint.interpolation.contract import Book, Mapping, ParticleError, Setting, Take
 from matpoint.kernels import vertex as kernels
 from matpoint.kernels.corners import SIGNS
 from matpoint.kernels.faces import add_forces
@@ -110,21 +110,11 @@ class VertexMapping(Mapping):
                 lambda a, b: kernels.move_vertices(a, b, v.enriched, v.flat, v.position, v.position_next, dt),
             )
 
-    def bring(
-        self,
-        start: int,
-        stop: int,
-        dt: float,
-        flip: float,
-        gradient: np.ndarray,
-        *,
-        move: bool,
-        differentiate: bool,
-    ) -> None:
+    def bring(self, start: int, stop: int, gradient: np.ndarray, take: Take) -> None:
         p, v = self.particles, self.vertices
         kernels.vertices_to_particles(
             start, stop, v.connectivity, v.count, v.weights, v.flat, p.velocity, p.position,
-            self.position_next, gradient, dt, flip, move, differentiate,
+            self.position_next, gradient, *take,
         )  # fmt: skip
 
     def push(self, loads: Sequence[tuple[np.ndarray, np.ndarray]]) -> None:

@@ -25,15 +25,14 @@ def _spread(centre, r, s, t):
 
 
 @device
-def _corners(p, dim, position, r, first, x, at, weights):
-    """Put corners at x[first:] (flat), R and G (S 18, 19) at weights[at:] (flat)."""
+def _corners(p, dim, share, position, r, first, x, at, weights):
+    """Put corners at x[first:] (flat), R and G (S 18, 19) at weights[at:] (flat); ``share`` is 1/2^dim."""
     # Rows of the cofactor matrix are r2 x r3, r3 x r1, r1 x r2.
     e = cofactors(
         r[p, 0, 0], r[p, 0, 1], r[p, 0, 2], r[p, 1, 0], r[p, 1, 1], r[p, 1, 2], r[p, 2, 0], r[p, 2, 1],
         r[p, 2, 2],
     )  # fmt: skip
-    volume = 8.0 * (r[p, 0, 0] * e[0][0] + r[p, 0, 1] * e[0][1] + r[p, 0, 2] * e[0][2])
-    s = 2.0 ** (3 - dim) / volume
+    s = share / (r[p, 0, 0] * e[0][0] + r[p, 0, 1] * e[0][1] + r[p, 0, 2] * e[0][2])
     if dim == 3:
         store_triples(
             x, first,
@@ -42,18 +41,18 @@ def _corners(p, dim, position, r, first, x, at, weights):
             _spread(position[p, 2], r[p, 0, 2], r[p, 1, 2], r[p, 2, 2]),
         )  # fmt: skip
         store_quadruples(
-            weights, at, splat(0.125),
+            weights, at, splat(share),
             _spread(0.0, s * e[0][0], s * e[1][0], s * e[2][0]),
             _spread(0.0, s * e[0][1], s * e[1][1], s * e[2][1]),
             _spread(0.0, s * e[0][2], s * e[1][2], s * e[2][2]),
         )  # fmt: skip
         return
-    for c in range(2**dim):
+    for c in range(2 * dim):  # 2^dim for one and two dimensions
         u, v = SIGNS[c, 0], SIGNS[c, 1] if dim > 1 else 0.0
         for a in range(3):
             x[first + 3 * c + a] = position[p, a] + u * r[p, 0, a] + v * r[p, 1, a]
             weights[at + 4 * c + a + 1] = s * (u * e[0][a] + v * e[1][a])
-        weights[at + 4 * c] = 0.5**dim
+        weights[at + 4 * c] = share
 
 
 @kernel
@@ -63,10 +62,12 @@ def parallelepipeds(start, stop, index, first, dim, position, edges, x, weights)
     The q-th, with position[q] and edges[q], belongs to particle index[q]; its corner c is vertex
     first + q * 2^dim + c.
     """
-    width = 4 * weights.shape[1]
+    count, width = 2**dim, 4 * weights.shape[1]
     places, flat = x.reshape(-1), weights.reshape(-1)
     for q in range(start, stop):
-        _corners(q, dim, position, edges, 3 * (first + q * 2**dim), places, width * index[q], flat)
+        _corners(
+            q, dim, 1.0 / count, position, edges, 3 * (first + q * count), places, width * index[q], flat
+        )
 
 
 @kernel
@@ -91,7 +92,7 @@ def particles_to_nodes(
     dim, x, edges, v, mass, volume, stress, body, kinematic, dynamic,
 ):  # fmt: skip
     """Add what the particles of slabs[start:stop] bring to their corners to the nodes (S 1, 2, 9, 23)."""
-    corner, weights = np.empty((8, 3)), np.empty(32)
+    count, corner, weights = 2**dim, np.empty((8, 3)), np.empty(32)
     places = corner.reshape(-1)
     for q in range(start, stop):
         for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
@@ -99,8 +100,8 @@ def particles_to_nodes(
             content, pull_x, pull_y, pull_z = contribution(
                 p, v, mass, volume, stress, body, kinematic, dynamic
             )
-            _corners(p, dim, x, edges, 0, places, 0, weights)
-            for c in range(2**dim):
+            _corners(p, dim, 1.0 / count, x, edges, 0, places, 0, weights)
+            for c in range(count):
                 record = fma(weights[4 * c + 1], pull_x, scale(weights[4 * c], content))
                 record = fma(weights[4 * c + 3], pull_z, fma(weights[4 * c + 2], pull_y, record))
                 spread(ax, ay, az, ny, nz, nodes, corner, c, record)
@@ -115,12 +116,12 @@ def nodes_to_particles(
 
     ``gradient`` is of these particles only.
     """
-    corner, weights = np.empty((8, 3)), np.empty(32)
+    count, corner, weights = 2**dim, np.empty((8, 3)), np.empty(32)
     places = corner.reshape(-1)
     for p in range(start, stop):
-        _corners(p, dim, x, edges, 0, places, 0, weights)
+        _corners(p, dim, 1.0 / count, x, edges, 0, places, 0, weights)
         value, along_x, along_y, along_z = zero(), zero(), zero(), zero()
-        for c in range(2**dim):
+        for c in range(count):
             record = value_at(ax, ay, az, ny, nz, nodes, corner, c)
             value = fma(weights[4 * c], record, value)
             along_x = fma(weights[4 * c + 1], record, along_x)
