@@ -172,6 +172,11 @@ def test_explain_prints_stages_in_order(case, tmp_path):
     assert "momentum to nodes" in musl
 
 
+def test_explain_says_the_step_of_a_consistent_mass(tmp_path):
+    shown = matpoint("explain", "mms-1d", "--set", "interpolation.method=spline-imls", cwd=tmp_path).stdout
+    assert "stable up to 0.0001341 s with its consistent mass; in long runs noise grows above 3.18e-05 s" in shown
+
+
 def test_info_cite_and_schema(case, tmp_path):
     shown = matpoint("info", cwd=tmp_path).stdout
     for word in ("numba", "threads", "vector width", "cache"):
@@ -477,6 +482,7 @@ def test_converge_takes_transfers_and_options_and_its_folder_says_so(tmp_path):
         (("--methods", "imls", "--set", "interpolation.points=9"), "points = 9 must be from 1 to 4"),
         (("--methods", "imls", "--set", "interpolation.method=mls"), "--methods"),
         (("--set", "scheme.transfer=xpic"), "spline-imls with XPIC"),
+        (("--set", "problem.random=3", "--methods", "cpdi1,cpdi2"), "cpdi2 needs domains that share corners"),
         (("--methods", "mpm", "--set", "scheme.terms=3"), "scheme.terms"),
         (("--methods", "mpm", "--set", "scheme.blend=2"), "scheme.blend"),
         (("--methods", "mpm", "--set", "scheme.transfer=best"), "allowed are flip"),
@@ -497,12 +503,45 @@ def test_converge_refuses_before_it_writes(arguments, told, tmp_path):
 
 
 def test_converge_fails_if_no_run_finished_and_only_then(tmp_path):
-    irregular = ("--cells", "4", "--set", "problem.random=3", "--out", "study")
-    done = matpoint(*STUDY, *irregular, "--methods", "cpdi2", cwd=tmp_path, code=3)
+    sparse = ("converge", "mms-2d", "--cells", "8", "--set", "problem.per_cell=1", "--out", "study")
+    done = matpoint(*sparse, "--methods", "mls", cwd=tmp_path, code=3)
     assert "error: none of 1 runs reached its end" in done.stderr
     assert (tmp_path / "study" / "converge.json").is_file()
-    done = matpoint(*STUDY, *irregular, "--methods", "cpdi2,cpdi1", cwd=tmp_path)
-    assert "cpdi2 with 4 cells failed" in done.stdout
+    done = matpoint(*sparse, "--methods", "mls,cpdi1", cwd=tmp_path)
+    assert "mls with 8 cells failed: step 69" in done.stdout
+
+
+def test_verify_names_the_method_that_failed_its_step_and_why(tmp_path):
+    """As converge does: exit code 3 if no run reached its end, and only then."""
+    sparse = ("verify", "mms-2d", "--set", "problem.cells=8", "--set", "problem.per_cell=1")
+    done = matpoint(*sparse, "--methods", "mls", "--out", "v", cwd=tmp_path, code=3)
+    assert "mls failed: step 69, t = 0.00345 s, particle 40" in done.stdout
+    assert "nan" not in done.stdout
+    assert "error: none of 1 runs reached its end; mls failed: step 69" in done.stderr
+    kept = json.loads((tmp_path / "v" / "verify.json").read_text())["mls"]
+    assert kept["failed"].startswith("step 69, ")
+    assert kept["velocity"] is None
+    done = matpoint(*sparse, "--methods", "mls,cpdi1", "--json", cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert "turned inside out" in found["mls"]["failed"]
+    assert found["cpdi1"]["failed"] is None
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        (("problem.random=3",), "mms-2d: cpdi2 needs domains that share corners"),
+        (("problem.dt=0.005",), "mms-2d: cpdi2: time step: dt = 0.005 s is over"),
+        (("problem.cells=4000000000",), "GB"),
+    ],
+)
+def test_verify_refuses_before_it_writes(settings, told, tmp_path):
+    given = [word for setting in settings for word in ("--set", setting)]
+    done = matpoint("verify", "mms-2d", *given, "--methods", "cpdi2", "--out", "v", cwd=tmp_path, code=2)
+    assert told in done.stderr
+    assert "allow_unstable" not in done.stderr  # nothing sets it here
+    assert [line.split()[0] for line in done.stderr.splitlines()] in (["error:"], ["compiling", "error:"])
+    assert not (tmp_path / "v").exists()
 
 
 def test_converge_extends_its_folder_without_force(tmp_path):

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import time
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from matpoint.checks import not_negative, positive, whole
 from matpoint.errors import InputError, RunError, did_you_mean, naming
-from matpoint.problem import Announce, Problem, Result
+from matpoint.problem import Announce, Problem, Result, failures
 from matpoint.problems.errors_track import FIELDS, ErrorTrack, sampling
 from matpoint.problems.sampler import Sampler
 
@@ -237,6 +239,8 @@ class ManufacturedProblem(Problem):
             sim.run(self.end, writers=[sampler])
         except RunError as error:
             failed = str(error)
+        except (ArithmeticError, ValueError, MemoryError) as error:  # of other methods the run goes on
+            failed = f"step {sim.step}, t = {sim.time:.6g} s: {type(error).__name__}: {error}"
         wall = time.perf_counter() - began
         return ErrorTrack(
             sampler.times, sampler.values, self.end, failed, len(sim.particles) * sim.step, wall
@@ -260,13 +264,55 @@ class ManufacturedProblem(Problem):
             raise InputError(f"{self.name}: no method given; {', '.join(METHODS)} are allowed")
         return tuple(dict.fromkeys(methods))
 
+    def refuse(self, interpolation: Interpolation, transfer: Transfer | None = None) -> None:
+        """Refuse a method that can never run on this problem, whatever its size.
+
+        Parameters
+        ----------
+        interpolation
+            The method.
+        transfer
+            How velocities come back; None takes FLIP().
+
+        Raises
+        ------
+        InputError
+            With what would do instead.
+        """
+        from matpoint.combinations import refuse_combinations  # noqa: PLC0415 (compiles)
+
+        scheme = self.scheme_for(interpolation, transfer)
+        refuse_combinations(self.grid().dim, interpolation, scheme, list(self.conditions()), [])
+
+    def refuse_methods(self, methods: Sequence[str]) -> None:
+        """Refuse methods that can't run here: those that never can, and those whose start can't be made."""
+        from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
+
+        for name in methods:
+            with _leaving_out(self.name, name):
+                self.refuse(METHODS[name])
+        for name in methods:
+            with naming(f"{self.name}: {name}"):
+                self._start(METHODS[name])
+
+    def _start(self, interpolation: Interpolation) -> None:
+        """Make the start of a run as :meth:`verify` makes it; nobody can allow an unstable step there."""
+        try:
+            self.simulation(interpolation)
+        except InputError as error:
+            over, _, cure = str(error).partition("; shorten it, or set allow_unstable")
+            raise InputError(f"{over}; set a shorter problem.dt" if cure else str(error)) from None
+
     def verify(
         self,
         methods: Sequence[str] | None = None,
         out: Path | None = None,
         progress: Announce | None = None,
     ) -> Result:
-        """Run methods at the problem's own cells; into ``out`` go their errors over time."""
+        """Run methods at the problem's own cells; into ``out`` go their errors over time.
+
+        A method whose run ends early does not end the others: under ``failed`` stands where and why.
+        """
         from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
 
         names, tracks = self.chosen(methods), {}
@@ -278,16 +324,34 @@ class ManufacturedProblem(Problem):
             from matpoint.problems.errors_figure import write_errors  # noqa: PLC0415 (loads matplotlib)
 
             write_errors(self.title, tracks, out)
-        return {name: self.measure(track) for name, track in tracks.items()}
+        return {name: {**self.measure(track), "failed": track.failed} for name, track in tracks.items()}
 
     def table(self, result: Result) -> str:
-        """Return the norms as aligned text, one line per method."""
+        """Return the norms as aligned text, one line per method, and why runs ended early."""
         width = max(len("method"), *(len(name) for name in result))
         columns = {norm: max(11, len(norm) + 2) for norm in self.norms}
         lines = ["method".ljust(width) + "".join(norm.rjust(w) for norm, w in columns.items())]
         lines.append("-" * len(lines[0]))
         for method, values in result.items():
-            numbers: Any = "".join(f"{values[norm]:{w}.3g}" for norm, w in columns.items())
-            lines.append(method.ljust(width) + numbers)
+            lines.append(
+                method.ljust(width) + "".join(_shown(values[n]).rjust(w) for n, w in columns.items())
+            )
         lines += ["", *(f"{norm:<{width + 10}}  {meaning}" for norm, meaning in self.norms.items())]
-        return "\n".join(lines)
+        failed = [f"{method} failed: {why}" for method, why in failures(result).items()]
+        return "\n".join([*lines, "", *failed] if failed else lines)
+
+
+def _shown(error: float) -> str:
+    """Return an error with three digits; one that a run did not reach is a dash."""
+    return f"{error:.3g}" if math.isfinite(error) else "-"
+
+
+@contextmanager
+def _leaving_out(problem: str, method: str) -> Iterator[None]:
+    """Name the problem and the method in what is refused inside; without the method the others can run."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error).removeprefix(f"{problem}: ")
+        named = text if text.startswith(method) else f"{method}: {text}"
+        raise InputError(f"{problem}: {named}; or leave {method} out of the methods") from None

@@ -127,14 +127,12 @@ def _chosen(problem: ManufacturedProblem, methods: Methods | None) -> dict[str, 
 
 
 def _refuse(problem: ManufacturedProblem, label: str, choice: Interpolation, transfer: Transfer) -> None:
-    """Refuse a method that can't go with the transfer, the order of stages or the problem's walls."""
-    from matpoint.combinations import refuse_combinations  # noqa: PLC0415 (compiles)
-
-    scheme = problem.scheme_for(choice, transfer)
+    """Refuse a method that can't go with the transfer, the order of stages, the walls or the particles."""
     try:
-        refuse_combinations(problem.grid().dim, choice, scheme, list(problem.conditions()), [])
+        problem.refuse(choice, transfer)
     except InputError as error:
-        text = str(error) if str(error).startswith(label) else f"{label}: {error}"
+        text = str(error).removeprefix(f"{problem.name}: ")
+        text = text if text.startswith(label) else f"{label}: {text}"
         raise InputError(f"converge: {text}; or leave {label} out of the methods") from None
 
 
