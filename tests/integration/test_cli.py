@@ -174,7 +174,10 @@ def test_explain_prints_stages_in_order(case, tmp_path):
 
 def test_explain_says_the_step_of_a_consistent_mass(tmp_path):
     shown = matpoint("explain", "mms-1d", "--set", "interpolation.method=spline-imls", cwd=tmp_path).stdout
-    assert "stable up to 0.0001341 s with its consistent mass; in long runs noise grows above 3.18e-05 s" in shown
+    assert (
+        "stable up to 0.0001341 s with its consistent mass; in long runs noise grows above 3.18e-05 s"
+        in shown
+    )
 
 
 def test_info_cite_and_schema(case, tmp_path):

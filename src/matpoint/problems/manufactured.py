@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
@@ -14,9 +13,10 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from matpoint.checks import not_negative, positive, whole
+from matpoint.checks import instance, not_negative, positive, whole
 from matpoint.errors import InputError, RunError, did_you_mean, naming
-from matpoint.problem import Announce, Problem, Result, failures
+from matpoint.problem import Announce, Problem, Result
+from matpoint.problems.errors_table import errors_table
 from matpoint.problems.errors_track import FIELDS, ErrorTrack, sampling
 from matpoint.problems.sampler import Sampler
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 # When det F is looked at: 48 equal parts of the run meet its halves, thirds and quarters, and hence the
 # extremes of waves that are a half or a third of a period apart.
 _TIMES = 49
+_FEWER = 12  # of these parts for the other fields, which take longer
 _PLACES = 2000  # about so many, where a problem has no lattice of its own
 _CHECKED: WeakKeyDictionary[Manufactured, set[type]] = WeakKeyDictionary()
 
@@ -44,7 +45,8 @@ class ManufacturedProblem(Problem):
     """A run whose exact solution is known everywhere.
 
     That the motion does not fold, det F > 0, is checked when the problem is made: at the places of
-    ``lattice`` and at 49 equally spaced times from 0 to ``end``. Only a run finds a fold between them.
+    ``lattice`` and at 49 equally spaced times from 0 to ``end``; that displacement, velocity, stress and body
+    force are finite numbers, there and at every fourth of these times. Only a run finds what lies between.
 
     Parameters
     ----------
@@ -132,13 +134,21 @@ class ManufacturedProblem(Problem):
         corners = self.mesh().vertices.reshape(-1, 3)
         return corners[:: max(1, len(corners) // _PLACES)]
 
+    def _own_solution(self) -> Manufactured:
+        from matpoint.mms import Manufactured  # noqa: PLC0415 (loads sympy)
+
+        instance(f"{self.name}: solution", self.solution, Manufactured, "a matpoint.mms.Manufactured")
+        return self.solution
+
     def _refuse_folds(self) -> None:
-        """Refuse a motion that turns the body inside out; once for each solution and kind of problem."""
-        exact = self.solution
+        """Refuse folds and fields that are no numbers; once for each solution and kind of problem."""
+        exact = self._own_solution()
         seen = _CHECKED.setdefault(exact, set())
         if type(self) not in seen:
             with naming(self.name):
-                exact.refuse_folds(self.lattice(), np.linspace(0.0, self.end, _TIMES))
+                places, times = self.lattice(), np.linspace(0.0, self.end, _TIMES)
+                exact.refuse_folds(places, times)
+                exact.refuse_infinite(places, times[:: _TIMES // _FEWER])
             seen.add(type(self))
 
     # -- the run -----------------------------------------------------------------------------
@@ -170,13 +180,18 @@ class ManufacturedProblem(Problem):
             if not isinstance(rule, FixedStep):
                 raise InputError(f"{self.name}: staggered velocities need a fixed step")
             early = 0.5 * rule.dt
-        exact = self.solution
+        exact, grid = self.solution, self.grid()
+        if exact.dim > grid.dim:
+            raise InputError(
+                f"{self.name}: the displacement has {exact.dim} components, the grid is {grid.dim}-D; give no"
+                " more components than the grid has axes"
+            )
         body = mp.Body(
             self.mesh(), exact.material, start=exact.start(), velocity=lambda X: exact.velocity(X, -early),
             name=self.name,
         )  # fmt: skip
         return mp.Simulation(
-            self.grid(), [body], interpolation=interpolation, timestep=rule,
+            grid, [body], interpolation=interpolation, timestep=rule,
             scheme=self.scheme_for(interpolation) if scheme is None else scheme,
             boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
         )  # fmt: skip
@@ -328,22 +343,7 @@ class ManufacturedProblem(Problem):
 
     def table(self, result: Result) -> str:
         """Return the norms as aligned text, one line per method, and why runs ended early."""
-        width = max(len("method"), *(len(name) for name in result))
-        columns = {norm: max(11, len(norm) + 2) for norm in self.norms}
-        lines = ["method".ljust(width) + "".join(norm.rjust(w) for norm, w in columns.items())]
-        lines.append("-" * len(lines[0]))
-        for method, values in result.items():
-            lines.append(
-                method.ljust(width) + "".join(_shown(values[n]).rjust(w) for n, w in columns.items())
-            )
-        lines += ["", *(f"{norm:<{width + 10}}  {meaning}" for norm, meaning in self.norms.items())]
-        failed = [f"{method} failed: {why}" for method, why in failures(result).items()]
-        return "\n".join([*lines, "", *failed] if failed else lines)
-
-
-def _shown(error: float) -> str:
-    """Return an error with three digits; one that a run did not reach is a dash."""
-    return f"{error:.3g}" if math.isfinite(error) else "-"
+        return errors_table(result, self.norms)
 
 
 @contextmanager
