@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 
+import h5py
 import numpy as np
 import pytest
 
@@ -263,6 +264,34 @@ def test_checkpoint_and_restart_give_the_same_end(case, tmp_path):
     refused = matpoint("run", case, "--restart", "b/history.csv", "--out", "d", cwd=tmp_path, code=2)
     assert "restart" in refused.stderr
     assert not (tmp_path / "d").exists()
+    for missing in ("b", "none.h5"):
+        refused = matpoint("run", case, "--restart", missing, "--out", "d", cwd=tmp_path, code=2)
+        assert f"restart: {missing} can't be read: it is not a file" in refused.stderr
+    with h5py.File(tmp_path / "b" / "checkpoint.h5", "r+") as file:
+        file["particles.velocity"][0, 0] = float("nan")  # type: ignore[index]
+    refused = matpoint("run", case, "--restart", "b/checkpoint.h5", "--out", "d", cwd=tmp_path, code=2)
+    assert "b/checkpoint.h5 is damaged: particles.velocity" in refused.stderr
+    assert not (tmp_path / "d").exists()
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ("bodies.0.velocity=[1e308, 1e308]", "CFL finds no step above 0"),
+        ("materials.rubber.density=1e308", "is too large for a number"),
+        ("materials.rubber.density=1e-308", "the wave speed of its material is inf m/s"),
+        (
+            "bodies.0.region.centre=[0.25, 0.25, 0.25]",
+            "region.centre: 3 components given; the grid has 2 axes",
+        ),
+        ('output.history.quantities=["momentum_x", "momentum_x"]', "two columns are named 'momentum_x'"),
+    ],
+)
+def test_numbers_that_can_not_be_used_are_refused_before_anything_is_written(setting, told, tmp_path):
+    done = matpoint("run", "two-discs", "--set", setting, "--quiet", "--out", "o", cwd=tmp_path, code=2)
+    assert told in done.stderr
+    assert [line.split()[0] for line in done.stderr.splitlines()] == ["error:"]
+    assert not (tmp_path / "o").exists()
 
 
 def test_a_run_that_fails_exits_3_with_readable_files(tmp_path):
@@ -496,6 +525,10 @@ def test_converge_takes_transfers_and_options_and_its_folder_says_so(tmp_path):
         (("--cells", "4000000000", "--methods", "mpm"), "GB"),
         (("--cells", "1", "--methods", "mpm"), "cells = 1"),
         (("--cells", "8,x", "--methods", "mpm"), "--cells"),
+        (
+            ("--cells", "8,16", "--set", "problem.dt=0.005", "--methods", "mpm"),
+            "mpm on 8 cells: time step: dt",
+        ),
     ],
 )
 def test_converge_refuses_before_it_writes(arguments, told, tmp_path):

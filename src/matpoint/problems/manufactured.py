@@ -190,11 +190,17 @@ class ManufacturedProblem(Problem):
             self.mesh(), exact.material, start=exact.start(), velocity=lambda X: exact.velocity(X, -early),
             name=self.name,
         )  # fmt: skip
-        return mp.Simulation(
-            grid, [body], interpolation=interpolation, timestep=rule,
-            scheme=self.scheme_for(interpolation) if scheme is None else scheme,
-            boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
-        )  # fmt: skip
+        try:
+            return mp.Simulation(
+                grid, [body], interpolation=interpolation, timestep=rule,
+                scheme=self.scheme_for(interpolation) if scheme is None else scheme,
+                boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
+            )  # fmt: skip
+        except InputError as error:  # nobody can allow an unstable step of the problem's own
+            over, _, cure = str(error).partition("; shorten it, or set allow_unstable")
+            if timestep is None and cure:
+                raise InputError(f"{over}; set a shorter problem.dt") from None
+            raise
 
     def scheme_for(self, interpolation: Interpolation, transfer: Transfer | None = None) -> Scheme:
         """Return the order of stages that was asked for, or the one in which a method lives longest.
@@ -308,15 +314,7 @@ class ManufacturedProblem(Problem):
                 self.refuse(METHODS[name])
         for name in methods:
             with naming(f"{self.name}: {name}"):
-                self._start(METHODS[name])
-
-    def _start(self, interpolation: Interpolation) -> None:
-        """Make the start of a run as :meth:`verify` makes it; nobody can allow an unstable step there."""
-        try:
-            self.simulation(interpolation)
-        except InputError as error:
-            over, _, cure = str(error).partition("; shorten it, or set allow_unstable")
-            raise InputError(f"{over}; set a shorter problem.dt" if cure else str(error)) from None
+                self.simulation(METHODS[name])
 
     def verify(
         self,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from matpoint.checks import instance, whole
-from matpoint.errors import InputError
+from matpoint.errors import InputError, naming
 from matpoint.memory import refuse_size
 from matpoint.problems import PROBLEMS, ManufacturedProblem
 from matpoint.study.choices import changed, packed
@@ -111,6 +111,8 @@ def plan(
         _refuse(problem, label, choice, given)
     for n in sizes:
         refuse_problem_size(replace(problem, cells=n))
+    if problem.dt:
+        _refuse_step(replace(problem, cells=sizes[0]), chosen, given)
     return Plan(problem, chosen, sizes, given)
 
 
@@ -134,6 +136,13 @@ def _refuse(problem: ManufacturedProblem, label: str, choice: Interpolation, tra
         text = str(error).removeprefix(f"{problem.name}: ")
         text = text if text.startswith(label) else f"{label}: {text}"
         raise InputError(f"converge: {text}; or leave {label} out of the methods") from None
+
+
+def _refuse_step(coarsest: ManufacturedProblem, chosen: Mapping[str, Interpolation], given: Transfer) -> None:
+    """Refuse a step of the user's that is over the limit on the coarsest cells, and so on all."""
+    for label, choice in chosen.items():
+        with naming(f"converge: {label} on {coarsest.cells} cells"):
+            coarsest.simulation(choice, scheme=coarsest.scheme_for(choice, given), threads=1)
 
 
 def refuse_problem_size(problem: ManufacturedProblem) -> None:
