@@ -15,6 +15,8 @@ from matpoint.particles import Particles, Rows
 if TYPE_CHECKING:
     from matpoint.engine import Engine
 
+_LARGEST = 1e150  # beyond it squares overflow
+
 
 @dataclass(frozen=True)
 class LedgerEntry:
@@ -46,6 +48,12 @@ class LedgerEntry:
     kinetic: float
     strain: float
     external_work: float
+
+    @property
+    def computable(self) -> bool:
+        """Whether all are numbers whose squares are numbers too; the stored energy alone may be unknown."""
+        known = [self.mass, self.kinetic, 0.0 if math.isnan(self.strain) else self.strain]
+        return bool((np.abs(np.concatenate([self.momentum, self.angular_momentum, known])) < _LARGEST).all())
 
     @property
     def total(self) -> float:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from matpoint.errors import InputError
+from matpoint.errors import InputError, StudyError
 
 if TYPE_CHECKING:
     from matpoint.interpolation import Interpolation
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from matpoint.simulation import Simulation
     from matpoint.timestep import TimeStep
 
-#: Method -> name of the norm -> value.
-Result = dict[str, dict[str, float]]
+#: Method -> name of the norm -> value; under "failed", if there, None or where and why a run ended early.
+Result = dict[str, dict[str, Any]]
 #: Told of every method before it runs: its name, its number from 0, how many there are.
 Announce = Callable[[str, int, int], None]
 
@@ -28,6 +28,11 @@ _ROUND_OFF = 1e-8  # of a norm: what is 0 in truth
 def shown(value: float) -> str:
     """Return a norm with four digits; round-off is 0."""
     return "0" if abs(value) < _ROUND_OFF else f"{value:.4g}"
+
+
+def failures(result: Result) -> dict[str, str]:
+    """Return the methods whose runs ended early: name -> where and why."""
+    return {name: values["failed"] for name, values in result.items() if values.get("failed")}
 
 
 class Problem(ABC):
@@ -129,6 +134,27 @@ class Problem(ABC):
         if not names:
             raise InputError(f"{self.name}: no method given; {', '.join(self.methods)} are allowed")
         return names
+
+    def refuse_methods(self, methods: Sequence[str]) -> None:  # noqa: B027 (most take all that they name)
+        """Refuse methods that can't run on the problem as it stands, before anything is run or written.
+
+        Parameters
+        ----------
+        methods
+            Names, as :meth:`chosen` returns them.
+
+        Raises
+        ------
+        InputError
+            With the method, and what would do instead.
+        """
+
+    def refuse_failure(self, result: Result) -> None:
+        """Raise StudyError if none of the runs of :meth:`verify` reached its end."""
+        reasons = failures(result)
+        if result and len(reasons) == len(result):
+            method, why = next(iter(reasons.items()))
+            raise StudyError(f"none of {len(result)} runs reached its end; {method} failed: {why}")
 
     def table(self, result: Result) -> str:
         """Return the norms as aligned text, one line per method."""

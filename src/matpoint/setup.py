@@ -81,7 +81,13 @@ def make_setting(grid: Grid, bodies: Sequence[Body], team: Team) -> tuple[Settin
     for body, material, a, b in zip(bodies, chosen, edges[:-1], edges[1:], strict=True):
         particles.material[a:b] = material
         _begin(particles, slice(a, b), body, grid.dim)
-        speed = body.material.wave_speed(np.eye(3)[None])[0]
+        with np.errstate(all="ignore"):
+            speed = body.material.wave_speed(np.eye(3)[None])[0]
+        if not np.isfinite(speed):
+            raise InputError(
+                f"{body.label}: the wave speed of its material is {speed:g} m/s; are moduli [Pa] and density"
+                " [kg/m³] right?"
+            )
         stiffness[a:b] = body.material.density * speed**2
     particles.position0[:] = particles.position
     particles.volume[:] = particles.volume0

@@ -141,8 +141,14 @@ class Simulation:
         check_start(self)
         self.notes += setting.notes
         self._note_fallen("at the start")
-        self.engine.dt = self._first_step()
-        entry = take_entry(self.engine)
+        with np.errstate(all="ignore"):  # what is too large is refused here and in so many words
+            self.engine.dt = self._first_step()
+            entry = take_entry(self.engine)
+        if not entry.computable:
+            raise InputError(
+                "simulation: mass, momentum or energy at the start is too large for a number; are the units"
+                " of densities, velocities and lengths right?"
+            )
         self.ledger = Ledger(entry, entry)
         give_back()
 
@@ -322,6 +328,8 @@ class Simulation:
                 warnings.warn(text, stacklevel=3)
             return dt
         dt = min(self.timestep.fraction * limit, self.timestep.largest)
+        if dt == 0.0:
+            raise InputError("time step: CFL finds no step above 0; velocities or wave speeds are too large")
         if not math.isfinite(dt):
             raise InputError("time step: CFL finds no limit (nothing has a wave speed or moves); give dt")
         return dt

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 
+import h5py
 import numpy as np
 import pytest
 
@@ -172,6 +173,14 @@ def test_explain_prints_stages_in_order(case, tmp_path):
     assert "momentum to nodes" in musl
 
 
+def test_explain_says_the_step_of_a_consistent_mass(tmp_path):
+    shown = matpoint("explain", "mms-1d", "--set", "interpolation.method=spline-imls", cwd=tmp_path).stdout
+    assert (
+        "stable up to 0.0001341 s with its consistent mass; in long runs noise grows above 3.18e-05 s"
+        in shown
+    )
+
+
 def test_info_cite_and_schema(case, tmp_path):
     shown = matpoint("info", cwd=tmp_path).stdout
     for word in ("numba", "threads", "vector width", "cache"):
@@ -255,6 +264,34 @@ def test_checkpoint_and_restart_give_the_same_end(case, tmp_path):
     refused = matpoint("run", case, "--restart", "b/history.csv", "--out", "d", cwd=tmp_path, code=2)
     assert "restart" in refused.stderr
     assert not (tmp_path / "d").exists()
+    for missing in ("b", "none.h5"):
+        refused = matpoint("run", case, "--restart", missing, "--out", "d", cwd=tmp_path, code=2)
+        assert f"restart: {missing} can't be read: it is not a file" in refused.stderr
+    with h5py.File(tmp_path / "b" / "checkpoint.h5", "r+") as file:
+        file["particles.velocity"][0, 0] = float("nan")  # type: ignore[index]
+    refused = matpoint("run", case, "--restart", "b/checkpoint.h5", "--out", "d", cwd=tmp_path, code=2)
+    assert "b/checkpoint.h5 is damaged: particles.velocity" in refused.stderr
+    assert not (tmp_path / "d").exists()
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ("bodies.0.velocity=[1e308, 1e308]", "CFL finds no step above 0"),
+        ("materials.rubber.density=1e308", "is too large for a number"),
+        ("materials.rubber.density=1e-308", "the wave speed of its material is inf m/s"),
+        (
+            "bodies.0.region.centre=[0.25, 0.25, 0.25]",
+            "region.centre: 3 components given; the grid has 2 axes",
+        ),
+        ('output.history.quantities=["momentum_x", "momentum_x"]', "two columns are named 'momentum_x'"),
+    ],
+)
+def test_numbers_that_can_not_be_used_are_refused_before_anything_is_written(setting, told, tmp_path):
+    done = matpoint("run", "two-discs", "--set", setting, "--quiet", "--out", "o", cwd=tmp_path, code=2)
+    assert told in done.stderr
+    assert [line.split()[0] for line in done.stderr.splitlines()] == ["error:"]
+    assert not (tmp_path / "o").exists()
 
 
 def test_a_run_that_fails_exits_3_with_readable_files(tmp_path):
@@ -477,6 +514,7 @@ def test_converge_takes_transfers_and_options_and_its_folder_says_so(tmp_path):
         (("--methods", "imls", "--set", "interpolation.points=9"), "points = 9 must be from 1 to 4"),
         (("--methods", "imls", "--set", "interpolation.method=mls"), "--methods"),
         (("--set", "scheme.transfer=xpic"), "spline-imls with XPIC"),
+        (("--set", "problem.random=3", "--methods", "cpdi1,cpdi2"), "cpdi2 needs domains that share corners"),
         (("--methods", "mpm", "--set", "scheme.terms=3"), "scheme.terms"),
         (("--methods", "mpm", "--set", "scheme.blend=2"), "scheme.blend"),
         (("--methods", "mpm", "--set", "scheme.transfer=best"), "allowed are flip"),
@@ -487,6 +525,10 @@ def test_converge_takes_transfers_and_options_and_its_folder_says_so(tmp_path):
         (("--cells", "4000000000", "--methods", "mpm"), "GB"),
         (("--cells", "1", "--methods", "mpm"), "cells = 1"),
         (("--cells", "8,x", "--methods", "mpm"), "--cells"),
+        (
+            ("--cells", "8,16", "--set", "problem.dt=0.005", "--methods", "mpm"),
+            "mpm on 8 cells: time step: dt",
+        ),
     ],
 )
 def test_converge_refuses_before_it_writes(arguments, told, tmp_path):
@@ -497,12 +539,45 @@ def test_converge_refuses_before_it_writes(arguments, told, tmp_path):
 
 
 def test_converge_fails_if_no_run_finished_and_only_then(tmp_path):
-    irregular = ("--cells", "4", "--set", "problem.random=3", "--out", "study")
-    done = matpoint(*STUDY, *irregular, "--methods", "cpdi2", cwd=tmp_path, code=3)
+    sparse = ("converge", "mms-2d", "--cells", "8", "--set", "problem.per_cell=1", "--out", "study")
+    done = matpoint(*sparse, "--methods", "mls", cwd=tmp_path, code=3)
     assert "error: none of 1 runs reached its end" in done.stderr
     assert (tmp_path / "study" / "converge.json").is_file()
-    done = matpoint(*STUDY, *irregular, "--methods", "cpdi2,cpdi1", cwd=tmp_path)
-    assert "cpdi2 with 4 cells failed" in done.stdout
+    done = matpoint(*sparse, "--methods", "mls,cpdi1", cwd=tmp_path)
+    assert "mls with 8 cells failed: step 69" in done.stdout
+
+
+def test_verify_names_the_method_that_failed_its_step_and_why(tmp_path):
+    """As converge does: exit code 3 if no run reached its end, and only then."""
+    sparse = ("verify", "mms-2d", "--set", "problem.cells=8", "--set", "problem.per_cell=1")
+    done = matpoint(*sparse, "--methods", "mls", "--out", "v", cwd=tmp_path, code=3)
+    assert "mls failed: step 69, t = 0.00345 s, particle 40" in done.stdout
+    assert "nan" not in done.stdout
+    assert "error: none of 1 runs reached its end; mls failed: step 69" in done.stderr
+    kept = json.loads((tmp_path / "v" / "verify.json").read_text())["mls"]
+    assert kept["failed"].startswith("step 69, ")
+    assert kept["velocity"] is None
+    done = matpoint(*sparse, "--methods", "mls,cpdi1", "--json", cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert "turned inside out" in found["mls"]["failed"]
+    assert found["cpdi1"]["failed"] is None
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        (("problem.random=3",), "mms-2d: cpdi2 needs domains that share corners"),
+        (("problem.dt=0.005",), "mms-2d: cpdi2: time step: dt = 0.005 s is over"),
+        (("problem.cells=4000000000",), "GB"),
+    ],
+)
+def test_verify_refuses_before_it_writes(settings, told, tmp_path):
+    given = [word for setting in settings for word in ("--set", setting)]
+    done = matpoint("verify", "mms-2d", *given, "--methods", "cpdi2", "--out", "v", cwd=tmp_path, code=2)
+    assert told in done.stderr
+    assert "allow_unstable" not in done.stderr  # nothing sets it here
+    assert [line.split()[0] for line in done.stderr.splitlines()] in (["error:"], ["compiling", "error:"])
+    assert not (tmp_path / "v").exists()
 
 
 def test_converge_extends_its_folder_without_force(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 
@@ -27,6 +28,14 @@ def test_reproduce_imls_draws_all_figures_and_reads_them(tmp_path):
     assert table["imls"][2]["velocity"] == pytest.approx(0.470, rel=0.02)
     assert table["spline-imls"][2]["velocity"] == pytest.approx(0.0717, rel=0.02)
     assert table["polynomials"]["figure-3-two.png"]["norms"][2] == 0.0
+    known = {e["cells"]: e["velocity"] for e in table["imls"]}
+    slope = math.log2(known[16] / known[32])  # 8 cells do not resolve the wave
+    assert table["order"]["imls"]["velocity"] == pytest.approx(slope)
     text = (out / "table.md").read_text(encoding="utf-8")
+    row = next(
+        line for line in text.splitlines() if line.startswith("| imls |") and f"{known[16]:.3g}" in line
+    )
+    assert row.endswith(f"| {slope:.2f} |")
+    assert f"fitted {slope:.2f}. On 32 cells" in text
     assert "An honest reading" in text
     assert text in done.stdout

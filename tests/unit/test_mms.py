@@ -11,9 +11,10 @@ import sympy as sp
 
 from matpoint import mms
 from matpoint.errors import InputError
+from matpoint.interpolation import CPDI2
 from matpoint.materials import Hencky, LinearElastic, NeoHookean, SaintVenantKirchhoff
 from matpoint.materials.driver import drive
-from matpoint.problems import PROBLEMS
+from matpoint.problems import PROBLEMS, FullWave
 
 HARD = NeoHookean(E=1e7, nu=0.3, density=1000.0)
 SOFT = NeoHookean(E=1000.0, nu=0.3, density=1000.0)
@@ -187,6 +188,118 @@ def test_what_is_no_displacement_is_refused(law, material, message):
         mms.Manufactured(law, material)
 
 
+F = sp.Function("f")
+
+
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [
+        ((mms.t * sp.Abs(mms.X - 0.5),), r"component 0 = t\*Abs\(X - 0.5\) can't be .*DiracDelta"),
+        ((0.0, mms.t * sp.Max(mms.X, mms.Y)), "component 1 .*DiracDelta"),
+        ((sp.floor(mms.X) * mms.t,), "can't be differentiated twice"),
+        ((F(mms.X) * mms.t,), "can't be differentiated twice"),
+        ((sp.exp(sp.I * mms.X),), "holds the imaginary unit I"),
+        ((sp.sqrt(-2),), "holds the imaginary unit I"),
+        ((sp.nan,), "nan or an infinity"),
+        ((sp.zoo * mms.X,), "nan or an infinity"),
+        ((0.0, -sp.oo), "component 1 .*nan or an infinity"),
+        ((float("nan"),), "must be finite"),
+        ((sp.Integer(10) ** 400,), "must be a finite, real number"),
+        ((mms.X * sp.Integer(10) ** 400,), "can't be computed"),
+        ((sp.Integral(sp.sin(mms.X * mms.Y), (mms.Y, 0, mms.t)),), "can't be computed"),
+        (([mms.X, mms.t],), r"component 0 = \[X, t\] must be a sympy expression of X, t"),
+        (np.array([[mms.X, mms.t]] * 2), "1 to 3 components"),
+        (((mms.X, mms.t), (mms.X, mms.t)), r"component 0 = \(X, t\) must be"),
+        ((sp.ImmutableMatrix([mms.X]),), "not a matrix"),
+        ((mms.X,) * 4, "1 to 3 components"),
+        ((), "1 to 3 components"),
+        ((lambda X: X,), "component 0 = <function .* must be a sympy expression"),
+        ((True,), "component 0 = True must be"),
+    ],
+)
+def test_odd_displacements_are_refused_in_one_line(law, told):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(InputError, match=f"^manufactured solution: .*{told}") as refused:
+            mms.Manufactured(law, HARD)
+    assert len(str(refused.value).splitlines()) == 1
+    assert len(str(refused.value)) < 320
+
+
+@pytest.mark.parametrize(
+    ("u", "what"),
+    [
+        (mms.t * sp.sqrt(mms.X - 0.5), "F"),
+        (mms.t * sp.log(mms.X - 2), "the displacement"),
+        (mms.X / mms.t, "F"),
+        ((-1) ** mms.t * mms.X / 9, "F"),
+        (mms.X * sp.sqrt(mms.t), "the velocity"),
+        (mms.t * mms.X ** sp.Rational(3, 2), "the body force"),
+    ],
+)
+def test_a_problem_with_fields_that_are_no_numbers_says_where_and_when(u, what):
+    class Odd(FullWave):
+        name = "odd"
+        solution = mms.Manufactured((u,), HARD)
+
+    told = (
+        rf"^odd: manufactured solution: {what} is no finite number at X = \(.*\) m, t = .* s; u must be real"
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(InputError, match=told):
+            Odd()
+
+
+def test_a_problem_whose_solution_does_not_fit_is_refused():
+    class Flat(FullWave):
+        solution = mms.Manufactured(mms.standing_waves(0.05, C, 2), HARD)
+
+    with pytest.raises(InputError, match=r"2 components, the grid is 1-D"):
+        Flat().simulation(CPDI2())
+
+    class Wrong(FullWave):
+        solution = (mms.X,)
+
+    with pytest.raises(
+        InputError, match=r"mms-1d: solution = \(X,\): it must be a matpoint.mms.Manufactured"
+    ):
+        Wrong()
+
+
+@pytest.mark.parametrize(
+    "places", [[0.1, 0.2, 0.3], np.zeros((5, 2)), "X", [[1.0, 2.0], [3.0]], [["a", 0, 0]], None]
+)
+def test_places_of_another_shape_are_refused(places):
+    solution = mms.Manufactured(mms.full_wave(0.1, C), HARD)
+    for call in (solution.position, solution.stress, solution.body_force):
+        with pytest.raises(InputError, match=r"shape \(n, 3\)"):
+            call(places, 0.1)
+    with pytest.raises(InputError, match=r"shape \(n, 3\)"):
+        solution.refuse_folds(places, [0.0])
+
+
+def test_times_that_are_no_numbers_are_refused():
+    solution, X = mms.Manufactured(mms.full_wave(0.1, C), HARD), np.zeros((1, 3))
+    for time in (None, "a", float("nan"), 1j):
+        with pytest.raises(InputError, match=r"time = .* must be a finite number"):
+            solution.velocity(X, time)
+    for times in (None, "a", [], 3.0, [np.nan]):
+        with pytest.raises(InputError, match="manufactured solution: time"):
+            solution.refuse_infinite(X, times)
+
+
+def test_numbers_of_numpy_are_numbers():
+    solution = mms.Manufactured((np.float32(0.5), np.int64(0)), HARD)
+    assert solution.position([[0.1, 0.2, 0.0]], 0.0)[0] == pytest.approx([0.6, 0.2, 0.0])
+
+
+@pytest.mark.parametrize("material", ["rubber", None, NeoHookean])
+def test_what_is_no_material_is_refused(material):
+    with pytest.raises(InputError, match=r"material = .* must be a material"):
+        mms.Manufactured(mms.full_wave(0.1, C), material)
+
+
 @pytest.mark.parametrize(
     ("kind", "most", "where", "when"),
     [
@@ -242,7 +355,20 @@ def test_first_piola_is_always_a_function_and_follows_the_material():
     np.testing.assert_allclose(own.body_force(X, 0.003), solution.body_force(X, 0.003), rtol=1e-12)
 
 
-@pytest.mark.parametrize("law", [3, lambda F: 1.0, lambda F: F[0, 0], lambda F: F * mms.X])
+@pytest.mark.parametrize(
+    "law",
+    [
+        3,
+        lambda F: 1.0,
+        lambda F: F[0, 0],
+        lambda F: F * mms.X,
+        lambda F: np.eye(3),
+        lambda F: 1 / 0,
+        lambda F, G: F,
+        lambda F: sp.I * F,
+        lambda F: F * sp.nan,
+    ],
+)
 def test_a_first_piola_that_gives_no_matrix_of_F_is_refused(law):
     with pytest.raises(InputError, match="first_piola"):
         mms.Manufactured(mms.full_wave(0.1, C), HARD, law)

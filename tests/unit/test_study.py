@@ -66,6 +66,10 @@ def test_keys_tell_options_and_transfers_apart_but_not_labels():
 def test_what_can_not_go_together_is_refused_by_its_name():
     with pytest.raises(InputError, match=r"spline-imls with XPIC.*leave spline-imls out"):
         plan(FullWave(), ["imls", "spline-imls"], [8], XPIC(2))
+    for method in ("cpdi2", "enriched-cpdi2"):
+        with pytest.raises(InputError, match=f"{method} needs domains that share.*leave {method} out"):
+            plan(FullWave(random=3), ["cpdi1", method], [8])
+    plan(FullWave(random=3), ["cpdi1"], [8])
     with pytest.raises(InputError, match="cpdi2 with APIC"):
         plan(FullWave(), ["mpm", "cpdi2"], [8], APIC())
     with pytest.raises(InputError, match="printed: imls: reproject = true"):

@@ -23,7 +23,7 @@ from matpoint.case.objects import (
     make_velocity,
 )
 from matpoint.case.schema import BodyTable, CaseTable, ProblemTable
-from matpoint.case.shapes import FileMesh
+from matpoint.case.shapes import CombinedRegion, FileMesh
 from matpoint.domains import Domains
 from matpoint.errors import InputError, RunError, did_you_mean, naming
 from matpoint.grid import Grid
@@ -193,6 +193,7 @@ def _bodies(
         name = table.name or (table.mesh.group if isinstance(table.mesh, FileMesh) else f"{number}")
         per_cell = tuple(table.per_cell) if isinstance(table.per_cell, list) else table.per_cell
         velocity = make_velocity(table, number, dim)
+        _refuse_axes(f"{where}.region", table.region, dim)
         with naming(where):
             bodies += [
                 Body(geometry, materials[table.material], per_cell, velocity, name)
@@ -200,6 +201,18 @@ def _bodies(
             ]
     files.check_use()
     return bodies
+
+
+def _refuse_axes(where: str, region: Any, dim: int) -> None:
+    """Refuse a region whose centre or plane lies beside the axes of the grid, where no particle would be."""
+    if isinstance(region, CombinedRegion):
+        for number, part in enumerate(region.of):
+            _refuse_axes(f"{where}.of.{number}", part, dim)
+        return
+    for key in ("centre", "point", "normal"):
+        given = getattr(region, key, None)
+        if given is not None and len(given) > dim and any(given[dim:]):
+            raise InputError(f"{where}.{key}: {len(given)} components given; the grid has {dim} axes")
 
 
 def _geometries(table: BodyTable, where: str, files: MeshFiles) -> Sequence[Region | Domains]:

@@ -151,37 +151,54 @@ def verify(
 ) -> None:
     """Run a problem by all methods, and measure them against its reference.
 
+    Exit code 3 if no run reached its end, or one without which there is no comparison. Of manufactured
+    problems a method that fails is named, with its step and why, and the others go on.
+
     Parameters
     ----------
     case
         A case with a ``[problem]``: a TOML file or a bundled name.
     """
     from matpoint.case import make_problem  # noqa: PLC0415 (slow to import)
+    from matpoint.errors import RunError, StudyError  # noqa: PLC0415
     from matpoint.output import prepare_folder  # noqa: PLC0415
     from matpoint.output.summary import plain, write_json  # noqa: PLC0415
+    from matpoint.problems import ManufacturedProblem  # noqa: PLC0415
+    from matpoint.study.plan import refuse_problem_size  # noqa: PLC0415
 
     _only_problem(set_)
     read = _load(case, set_, [])
     if read.tables.problem is None:
         raise InputError(f"case {case}: it has no [problem] to verify; use matpoint run")
     problem = make_problem(read.tables.problem)
-    names = None if methods is None else problem.chosen([m.strip() for m in methods.split(",")])
+    names = problem.chosen(None if methods is None else [m.strip() for m in methods.split(",")])
+    if isinstance(problem, ManufacturedProblem):
+        refuse_problem_size(problem)
+    problem.refuse_methods(names)
     folder = Path("results") / f"verify-{read.name}" if out is None and not json_ else out
     if folder is not None:
         _keep([case], folder)
         prepare_folder(folder, force, [*problem.files, "verify.json"])
 
+    running = ""
+
     def announce(name: str, number: int, count: int) -> None:
+        nonlocal running
+        running = name
         print(f"[{number + 1}/{count}] {name}", file=sys.stderr, flush=True)
 
-    result = problem.verify(names, folder, announce)
+    try:
+        result = problem.verify(names, folder, announce)
+    except RunError as error:
+        raise StudyError(f"{read.name}: {running} failed: {error}; --methods can leave it out") from None
     if folder is not None:
         write_json(folder / "verify.json", result)
     if json_:
         print(json.dumps(plain(result), allow_nan=False))
-        return
-    print(problem.table(result))
-    print(f"\nfigures and verify.json in {folder}")
+    else:
+        print(problem.table(result))
+        print(f"\nfigures and verify.json in {folder}")
+    problem.refuse_failure(result)
 
 
 @app.command

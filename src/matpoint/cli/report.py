@@ -57,7 +57,7 @@ def listing() -> str:
 def explanation(case: Case, sim: Simulation) -> str:
     """Return what a case is and what a step of it does."""
     from matpoint.fingerprint import spelled  # noqa: PLC0415 (slow to import)
-    from matpoint.timestep import stable_step  # noqa: PLC0415
+    from matpoint.timestep import quiet_step, stable_step  # noqa: PLC0415
 
     def said(thing: Any) -> str:
         return _NAMELESS.sub("a function", spelled(thing))
@@ -66,6 +66,10 @@ def explanation(case: Case, sim: Simulation) -> str:
     sizes = f"{len(sim.particles)} particles, {sim.engine.mapping.nodes.on_grid} grid nodes"
     if v is not None:
         sizes += f", {len(v)} vertices, {len(v.enriched)} of them enriched"
+    step = f"dt = {sim.dt:.4g} s, stable up to {stable_step(sim):.4g} s"
+    quiet = quiet_step(sim)
+    if quiet is not None:
+        step += f" with its consistent mass; in long runs noise grows above {quiet:.4g} s"
     head = {
         "case": f"{case.name}: {case.tables.title}" if case.tables.title else case.name,
         "method": f"{sim.interpolation.name}, {sim.interpolation!r}",
@@ -75,7 +79,7 @@ def explanation(case: Case, sim: Simulation) -> str:
         "boundaries": "; ".join(said(c) for c in sim.boundaries) or "none",
         "loads": "; ".join(said(load) for load in sim.loads) or "none",
         "damping": said(sim.engine.damping),
-        "step": f"dt = {sim.dt:.4g} s, stable up to {stable_step(sim):.4g} s",
+        "step": step,
     }
     return _block("what", head) + "\n\nstages of a step\n" + sim.explain()
 

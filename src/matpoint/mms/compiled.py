@@ -33,7 +33,9 @@ def compiled(
         found = np.empty((len(constant), n))
         found[:] = constant[:, None]
         for row, value in zip(rows, function(*values), strict=True):
-            found[row] = value
+            found[row] = (
+                np.where(np.imag(value) == 0, np.real(value), np.nan) if np.iscomplexobj(value) else value
+            )
         return found
 
     return evaluate

@@ -10,15 +10,17 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from matpoint.checks import function
+from matpoint.checks import function, instance, number
 from matpoint.deformed import Start
 from matpoint.errors import InputError
 from matpoint.loads import BodyForce
 from matpoint.materials import Material
 from matpoint.mms.compiled import compiled
+from matpoint.mms.components import refuse_components, refuse_kinks, refuse_unreal, told
 from matpoint.mms.coordinates import COORDINATES, TIME
 from matpoint.mms.folds import refuse_folds
 from matpoint.mms.laws import OwnLaw
+from matpoint.mms.soundness import Field, instants, places, refuse_infinite
 
 _VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 _F = sp.Matrix(3, 3, sp.symbols("F:3:3", real=True))
@@ -50,13 +52,14 @@ class Manufactured:
     Raises
     ------
     InputError
-        If a component is no expression of the coordinates and time, the material's P(F) is not known or can't
+        If a component is no real expression of the coordinates and time that can be differentiated twice and
+        that NumPy can compute, the material's P(F) is not known or can't
         take such an F, or ``first_piola`` does not give a 3 x 3 matrix of F.
 
     Notes
     -----
     What the expressions do between is not looked at here: where a body lies and how long a run lasts is not
-    known. :meth:`refuse_folds` does so for given places and times.
+    known. :meth:`refuse_folds` and :meth:`refuse_infinite` do so for given places and times.
     """
 
     law: Sequence[Any]
@@ -66,26 +69,13 @@ class Manufactured:
     def __post_init__(self) -> None:
         if self.first_piola is None or isinstance(self.first_piola, OwnLaw):  # of this material, if replaced
             object.__setattr__(self, "first_piola", OwnLaw(self.material))
-        if not isinstance(self.law, list | tuple | sp.Tuple) or not 1 <= len(self.law) <= 3:
-            raise InputError(
-                "manufactured solution: the displacement must be a list of 1 to 3 components, for instance"
-                f" (u,); given is {self.law!r}"
-            )
-        allowed = {*COORDINATES[: self.dim], TIME}
-        for k, component in enumerate(self.law):
-            if not isinstance(component, sp.Expr | int | float):
-                raise InputError(
-                    f"manufactured solution: component {k} = {component!r} must be a sympy expression"
-                )
-            if isinstance(component, sp.Expr) and component.free_symbols - allowed:
-                names = ", ".join(sorted(str(s) for s in allowed))
-                raise InputError(
-                    f"manufactured solution: component {k} holds"
-                    f" {component.free_symbols - allowed}; only {names} as imported from matpoint.mms are"
-                    " allowed (symbols of sympy with the same names are others)"
-                )
+        refuse_components(self.law)
+        instance("manufactured solution: material", self.material, Material, "a material")
         function("manufactured solution: first_piola", self.first_piola)
+        for k, u in enumerate(self._u[: self.dim]):
+            refuse_kinks(f"manufactured solution: component {k}", u, self._second_derivatives(k))
         _ = self._stress  # refuses what has no P(F)
+        self._try_out()
 
     @property
     def dim(self) -> int:
@@ -96,7 +86,7 @@ class Manufactured:
 
     @cached_property
     def _u(self) -> list[sp.Expr]:
-        given = [u if isinstance(u, sp.Expr) else sp.Float(u) for u in self.law]
+        given = [u if isinstance(u, sp.Expr) else sp.Float(float(u)) for u in self.law]
         return given + [sp.Integer(0)] * (3 - self.dim)
 
     @cached_property
@@ -114,13 +104,46 @@ class Manufactured:
     def _stress(self) -> sp.Matrix:
         """P as a function of the symbols of F."""
         F = _F.subs({s: v for s, v in self._known.items() if v == 0})
-        P = self.first_piola(F)
+        try:
+            P = self.first_piola(F)
+        except InputError:
+            raise
+        except Exception as error:
+            raise InputError(
+                "manufactured solution: first_piola fails on the matrix F with"
+                f" {type(error).__name__}: {error}"
+            ) from None
         if not isinstance(P, sp.MatrixBase) or P.shape != (3, 3) or P.free_symbols - F.free_symbols:
             raise InputError(
-                f"manufactured solution: first_piola gives {P!r}; it must be a 3 x 3 sympy matrix of the"
+                f"manufactured solution: first_piola gives {told(P)}; it must be a 3 x 3 sympy matrix of the"
                 " components of F alone"
             )
+        refuse_unreal("manufactured solution: first_piola", P)
         return P
+
+    def _second_derivatives(self, k: int) -> list[sp.Expr]:
+        """∂²u_k/∂X² and ∂²u_k/∂t²."""
+        return [*(v for (i, *_), v in self._hessian.items() if i == k), sp.diff(self._u[k], TIME, 2)]
+
+    def _try_out(self) -> None:
+        """Refuse what NumPy can't compute; numbers at this place mean nothing, there may be no body."""
+        X = np.array([[0.371, 0.243, 0.517]])
+        with np.errstate(all="ignore"):
+            for name, field in self._fields.items():
+                try:
+                    field(X, 0.137)
+                except Exception as error:
+                    raise InputError(
+                        f"manufactured solution: {name} can't be computed ({type(error).__name__}:"
+                        f" {str(error).splitlines()[0]}); only functions that NumPy or SciPy know are allowed"
+                    ) from None
+
+    @property
+    def _fields(self) -> dict[str, Field]:
+        return {
+            "the displacement": self.displacement, "the velocity": self.velocity, "F": self.deformation,
+            "the stress": self.stress, "the body force": self.body_force,
+        }  # fmt: skip
 
     @cached_property
     def _hessian(self) -> dict[tuple[int, int, int], sp.Expr]:
@@ -173,10 +196,11 @@ class Manufactured:
         symbols, rows = self._divergence
         return compiled([*_F, *symbols], rows)
 
-    def _evaluate(self, name: str, X: np.ndarray, time: float) -> np.ndarray:
+    def _evaluate(self, name: str, given: np.ndarray, time: float) -> np.ndarray:
+        X, now = places(given), np.float64(number("manufactured solution: time", time))
         if name not in self._functions:
             self._functions[name] = compiled((*COORDINATES, TIME), self._rows(name))
-        return self._functions[name]((X[:, 0], X[:, 1], X[:, 2], time), len(X))
+        return self._functions[name]((X[:, 0], X[:, 1], X[:, 2], now), len(X))
 
     def displacement(self, X: np.ndarray, time: float) -> np.ndarray:
         """Return u [m], (n, 3)."""
@@ -184,7 +208,7 @@ class Manufactured:
 
     def position(self, X: np.ndarray, time: float) -> np.ndarray:
         """Return x = X + u [m], (n, 3)."""
-        return X + self.displacement(X, time)
+        return places(X) + self.displacement(X, time)
 
     def velocity(self, X: np.ndarray, time: float) -> np.ndarray:
         """Return ∂u/∂t [m/s], (n, 3)."""
@@ -218,7 +242,24 @@ class Manufactured:
         InputError
             With the place and the time where det F is least, and what would help.
         """
-        refuse_folds(self.deformation, X, times)
+        refuse_folds(self.deformation, places(X), instants(times))
+
+    def refuse_infinite(self, X: np.ndarray, times: Sequence[float] | np.ndarray) -> None:
+        """Refuse a solution with a field that is no finite number at one of some places and times.
+
+        Parameters
+        ----------
+        X
+            Reference positions [m], (n, 3), for instance a lattice over the body.
+        times
+            [s].
+
+        Raises
+        ------
+        InputError
+            With the field, and the first place and time.
+        """
+        refuse_infinite(self._fields, places(X), instants(times))
 
     # -- for runs ----------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from matpoint.errors import InputError
+from matpoint.mms.soundness import refuse_infinite
 
 
 def refuse_folds(
@@ -26,12 +27,14 @@ def refuse_folds(
     Raises
     ------
     InputError
-        With the place and the time where det F is least, or the first where it is no number.
+        With the place and the time where det F is least, or the first where F is no number.
     """
     lowest, where, when = np.inf, X[0], 0.0
     for time in times:
         with np.errstate(all="ignore"):
-            J = _determinant(deformation(X, float(time)))
+            F = deformation(X, float(time))
+            J = _determinant(F)
+        refuse_infinite({"F": lambda _X, _t, F=F: F}, X, [float(time)])
         least = int(np.argmin(J))  # of several with NaN the first
         if not J[least] >= lowest:
             lowest, where, when = float(J[least]), X[least], float(time)
@@ -40,9 +43,13 @@ def refuse_folds(
     if not lowest > 0:
         place = ", ".join(f"{x:.4g}" for x in where)
         raise InputError(
-            f"manufactured solution: the motion folds, det F = {lowest:.4g} at X = ({place}) m,"
+            f"manufactured solution: the motion folds, det F = {_told(lowest)} at X = ({place}) m,"
             f" t = {when:.4g} s; a body can only be followed where det F > 0: use a smaller amplitude"
         )
+
+
+def _told(J: float) -> str:
+    return "(too large for a number)" if np.isnan(J) else f"{J:.4g}"
 
 
 def _determinant(F: np.ndarray) -> np.ndarray:

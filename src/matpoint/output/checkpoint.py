@@ -77,6 +77,8 @@ def resume(sim: Simulation, path: Path | str) -> None:
     """
     import h5py  # noqa: PLC0415 (slow to import)
 
+    if not Path(path).is_file():
+        raise InputError(f"restart: {path} can't be read: it is not a file; name a run's checkpoint.h5")
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != _FORMAT:
@@ -86,7 +88,10 @@ def resume(sim: Simulation, path: Path | str) -> None:
             scalars = {k[len(prefix) :]: float(v) for k, v in file.attrs.items() if k.startswith(prefix)}
             arrays = {name: np.asarray(data) for name, data in file.items()}
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"restart: {path} can't be read ({error})") from None
+        raise InputError(f"restart: {path} can't be read ({' '.join(str(error).split())})") from None
+    for name, values in arrays.items():
+        if values.dtype.kind == "f" and np.isnan(values).any():
+            raise InputError(f"restart: {path} is damaged: {name} holds what is no number; take another one")
     other = [name for name, value in identity(sim).items() if held.get(name) != value]
     if other:
         raise InputError(

@@ -53,7 +53,11 @@ class Recorder:
         units = [QUANTITIES[q].unit for q in self.quantities] + [FIELDS[p.field][0] for p in self.probes]
         self.units = dict(zip(self.columns, ("-", "s", *units), strict=True))
         if len(set(self.columns)) < len(self.columns):
-            raise InputError("history: two columns have one name; give each probe a name of its own")
+            twice = next(name for name in self.columns if self.columns.count(name) > 1)
+            raise InputError(
+                f"history: two columns are named {twice!r}; give each quantity once, and each probe a name of"
+                " its own"
+            )
         self.rows: list[tuple[float, ...]] = []
         self._ids: np.ndarray = np.zeros(0, dtype=np.int64)
 

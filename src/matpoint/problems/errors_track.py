@@ -61,6 +61,6 @@ class ErrorTrack:
 
         The largest of a run that failed is that of its samples before it did.
         """
-        largest = self.values.max(axis=0)
+        largest = self.values.max(axis=0) if len(self.values) else np.full(3, np.nan)
         numbers = np.concatenate([self.at(self.end), self.at(0.25 * self.end), largest])
         return dict(zip(NORMS, numbers.tolist(), strict=True))

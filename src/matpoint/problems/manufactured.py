@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import time
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from matpoint.checks import not_negative, positive, whole
+from matpoint.checks import instance, not_negative, positive, whole
 from matpoint.errors import InputError, RunError, did_you_mean, naming
 from matpoint.problem import Announce, Problem, Result
+from matpoint.problems.errors_table import errors_table
 from matpoint.problems.errors_track import FIELDS, ErrorTrack, sampling
 from matpoint.problems.sampler import Sampler
 
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 # When det F is looked at: 48 equal parts of the run meet its halves, thirds and quarters, and hence the
 # extremes of waves that are a half or a third of a period apart.
 _TIMES = 49
+_FEWER = 12  # of these parts for the other fields, which take longer
 _PLACES = 2000  # about so many, where a problem has no lattice of its own
 _CHECKED: WeakKeyDictionary[Manufactured, set[type]] = WeakKeyDictionary()
 
@@ -42,7 +45,8 @@ class ManufacturedProblem(Problem):
     """A run whose exact solution is known everywhere.
 
     That the motion does not fold, det F > 0, is checked when the problem is made: at the places of
-    ``lattice`` and at 49 equally spaced times from 0 to ``end``. Only a run finds a fold between them.
+    ``lattice`` and at 49 equally spaced times from 0 to ``end``; that displacement, velocity, stress and body
+    force are finite numbers, there and at every fourth of these times. Only a run finds what lies between.
 
     Parameters
     ----------
@@ -130,13 +134,21 @@ class ManufacturedProblem(Problem):
         corners = self.mesh().vertices.reshape(-1, 3)
         return corners[:: max(1, len(corners) // _PLACES)]
 
+    def _own_solution(self) -> Manufactured:
+        from matpoint.mms import Manufactured  # noqa: PLC0415 (loads sympy)
+
+        instance(f"{self.name}: solution", self.solution, Manufactured, "a matpoint.mms.Manufactured")
+        return self.solution
+
     def _refuse_folds(self) -> None:
-        """Refuse a motion that turns the body inside out; once for each solution and kind of problem."""
-        exact = self.solution
+        """Refuse folds and fields that are no numbers; once for each solution and kind of problem."""
+        exact = self._own_solution()
         seen = _CHECKED.setdefault(exact, set())
         if type(self) not in seen:
             with naming(self.name):
-                exact.refuse_folds(self.lattice(), np.linspace(0.0, self.end, _TIMES))
+                places, times = self.lattice(), np.linspace(0.0, self.end, _TIMES)
+                exact.refuse_folds(places, times)
+                exact.refuse_infinite(places, times[:: _TIMES // _FEWER])
             seen.add(type(self))
 
     # -- the run -----------------------------------------------------------------------------
@@ -168,16 +180,27 @@ class ManufacturedProblem(Problem):
             if not isinstance(rule, FixedStep):
                 raise InputError(f"{self.name}: staggered velocities need a fixed step")
             early = 0.5 * rule.dt
-        exact = self.solution
+        exact, grid = self.solution, self.grid()
+        if exact.dim > grid.dim:
+            raise InputError(
+                f"{self.name}: the displacement has {exact.dim} components, the grid is {grid.dim}-D; give no"
+                " more components than the grid has axes"
+            )
         body = mp.Body(
             self.mesh(), exact.material, start=exact.start(), velocity=lambda X: exact.velocity(X, -early),
             name=self.name,
         )  # fmt: skip
-        return mp.Simulation(
-            self.grid(), [body], interpolation=interpolation, timestep=rule,
-            scheme=self.scheme_for(interpolation) if scheme is None else scheme,
-            boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
-        )  # fmt: skip
+        try:
+            return mp.Simulation(
+                grid, [body], interpolation=interpolation, timestep=rule,
+                scheme=self.scheme_for(interpolation) if scheme is None else scheme,
+                boundaries=list(self.conditions()), loads=[exact.load()], threads=threads,
+            )  # fmt: skip
+        except InputError as error:  # nobody can allow an unstable step of the problem's own
+            over, _, cure = str(error).partition("; shorten it, or set allow_unstable")
+            if timestep is None and cure:
+                raise InputError(f"{over}; set a shorter problem.dt") from None
+            raise
 
     def scheme_for(self, interpolation: Interpolation, transfer: Transfer | None = None) -> Scheme:
         """Return the order of stages that was asked for, or the one in which a method lives longest.
@@ -237,6 +260,8 @@ class ManufacturedProblem(Problem):
             sim.run(self.end, writers=[sampler])
         except RunError as error:
             failed = str(error)
+        except (ArithmeticError, ValueError, MemoryError) as error:  # of other methods the run goes on
+            failed = f"step {sim.step}, t = {sim.time:.6g} s: {type(error).__name__}: {error}"
         wall = time.perf_counter() - began
         return ErrorTrack(
             sampler.times, sampler.values, self.end, failed, len(sim.particles) * sim.step, wall
@@ -260,13 +285,47 @@ class ManufacturedProblem(Problem):
             raise InputError(f"{self.name}: no method given; {', '.join(METHODS)} are allowed")
         return tuple(dict.fromkeys(methods))
 
+    def refuse(self, interpolation: Interpolation, transfer: Transfer | None = None) -> None:
+        """Refuse a method that can never run on this problem, whatever its size.
+
+        Parameters
+        ----------
+        interpolation
+            The method.
+        transfer
+            How velocities come back; None takes FLIP().
+
+        Raises
+        ------
+        InputError
+            With what would do instead.
+        """
+        from matpoint.combinations import refuse_combinations  # noqa: PLC0415 (compiles)
+
+        scheme = self.scheme_for(interpolation, transfer)
+        refuse_combinations(self.grid().dim, interpolation, scheme, list(self.conditions()), [])
+
+    def refuse_methods(self, methods: Sequence[str]) -> None:
+        """Refuse methods that can't run here: those that never can, and those whose start can't be made."""
+        from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
+
+        for name in methods:
+            with _leaving_out(self.name, name):
+                self.refuse(METHODS[name])
+        for name in methods:
+            with naming(f"{self.name}: {name}"):
+                self.simulation(METHODS[name])
+
     def verify(
         self,
         methods: Sequence[str] | None = None,
         out: Path | None = None,
         progress: Announce | None = None,
     ) -> Result:
-        """Run methods at the problem's own cells; into ``out`` go their errors over time."""
+        """Run methods at the problem's own cells; into ``out`` go their errors over time.
+
+        A method whose run ends early does not end the others: under ``failed`` stands where and why.
+        """
         from matpoint.interpolation import METHODS  # noqa: PLC0415 (compiles)
 
         names, tracks = self.chosen(methods), {}
@@ -278,16 +337,19 @@ class ManufacturedProblem(Problem):
             from matpoint.problems.errors_figure import write_errors  # noqa: PLC0415 (loads matplotlib)
 
             write_errors(self.title, tracks, out)
-        return {name: self.measure(track) for name, track in tracks.items()}
+        return {name: {**self.measure(track), "failed": track.failed} for name, track in tracks.items()}
 
     def table(self, result: Result) -> str:
-        """Return the norms as aligned text, one line per method."""
-        width = max(len("method"), *(len(name) for name in result))
-        columns = {norm: max(11, len(norm) + 2) for norm in self.norms}
-        lines = ["method".ljust(width) + "".join(norm.rjust(w) for norm, w in columns.items())]
-        lines.append("-" * len(lines[0]))
-        for method, values in result.items():
-            numbers: Any = "".join(f"{values[norm]:{w}.3g}" for norm, w in columns.items())
-            lines.append(method.ljust(width) + numbers)
-        lines += ["", *(f"{norm:<{width + 10}}  {meaning}" for norm, meaning in self.norms.items())]
-        return "\n".join(lines)
+        """Return the norms as aligned text, one line per method, and why runs ended early."""
+        return errors_table(result, self.norms)
+
+
+@contextmanager
+def _leaving_out(problem: str, method: str) -> Iterator[None]:
+    """Name the problem and the method in what is refused inside; without the method the others can run."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error).removeprefix(f"{problem}: ")
+        named = text if text.startswith(method) else f"{method}: {text}"
+        raise InputError(f"{problem}: {named}; or leave {method} out of the methods") from None

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matpoint.scheme import Scheme
     from matpoint.simulation import Simulation
     from matpoint.timestep import TimeStep
+    from matpoint.transfers import Transfer
 
 YOUNG, POISSON, DENSITY = 1e7, 0.3, 1000.0
 SPEED = math.sqrt(YOUNG / DENSITY)  # [m/s]
@@ -103,6 +104,18 @@ class _Waves(ManufacturedProblem):
 
         return [Roller(Plane(axis, at)) for axis in "xyz"[: self.dim] for at in (0.0, 1.0)]
 
+    def refuse(self, interpolation: Interpolation, transfer: Transfer | None = None) -> None:
+        """Refuse a method that can never run, such as one whose domains share corners at random."""
+        self._refuse_random(interpolation)
+        super().refuse(interpolation, transfer)
+
+    def _refuse_random(self, interpolation: Interpolation) -> None:
+        if self.random and interpolation.shares_corners:
+            raise InputError(
+                f"{self.name}: {interpolation.name} needs domains that share corners, random ones don't;"
+                " set random = 0"
+            )
+
     def simulation(
         self,
         interpolation: Interpolation,
@@ -112,11 +125,7 @@ class _Waves(ManufacturedProblem):
         threads: int | None = None,
     ) -> Simulation:
         """Return the run on its exact start."""
-        if self.random and interpolation.shares_corners:
-            raise InputError(
-                f"{self.name}: {interpolation.name} needs domains that share corners, random ones don't;"
-                " set random = 0"
-            )
+        self._refuse_random(interpolation)
         return super().simulation(interpolation, scheme=scheme, timestep=timestep, threads=threads)
 
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 from matpoint.output.figures import method_style, new_figure, save
 from matpoint.problems import FullWave
 from matpoint.problems.errors_track import FIELDS
-from matpoint.reproduce.imls_reading import reading
+from matpoint.reproduce.imls_reading import FIRST, reading, resolved
 from matpoint.reproduce.polynomials import draw_polynomials
 from matpoint.reproduce.tables import Announce, versions, write_all
-from matpoint.study import Study, converge, fitted, neighbours
+from matpoint.study import Study, converge, fitted, neighbours, orders
 
 if TYPE_CHECKING:
     from matpoint.interpolation import Interpolation
@@ -74,7 +74,7 @@ def _rows(entries: Mapping[str, Sequence[Mapping[str, Any]]], norm: str) -> Iter
             "-" if e[norm] is None else f"{e[norm]:.3g}" + ("" if o is None else f" ({o:.2f})")
             for e, o in pairs
         ]
-        slope = fitted(found, norm)
+        slope = fitted(resolved(found), norm)
         yield f"| {name} | " + " | ".join(cells) + f" | {'-' if slope is None else f'{slope:.2f}'} |"
 
 
@@ -85,7 +85,7 @@ def _tables(study: Study) -> list[str]:
     for part, when in (("", "at T"), ("_quarter", "at T/4")):
         for field, unit in FIELDS.items():
             lines += [f"## RMS error of {field} [{unit}] {when}, and orders", ""]
-            lines += [f"| method | {' | '.join(map(str, sizes))} cells | fitted |"]
+            lines += [f"| method | {' | '.join(map(str, sizes))} cells | fitted from {FIRST} |"]
             lines += ["|---" * (len(sizes) + 2) + "|", *_rows(study.entries, f"{field}{part}"), ""]
     lines += ["## Wall time of a run [s], one thread", ""]
     lines += [f"| method | {' | '.join(map(str, sizes))} cells |", "|---" * (len(sizes) + 1) + "|"]
@@ -126,8 +126,9 @@ def reproduce_imls(out: Path, announce: Announce, quick: bool = False) -> None:
     problem = study.problem
     settings = {
         "problem": problem.name, **dataclasses.asdict(problem), "end": problem.end,
-        "cells": sizes, "methods": _METHODS,
+        "cells": sizes, "fitted_from": FIRST, "methods": _METHODS,
         "steps": {n: dataclasses.replace(problem, cells=n).step for n in sizes},
         "variants": {name: repr(choice) for name, choice in variants().items()}, "versions": versions(),
     }  # fmt: skip
-    write_all(out, settings, {**study.json(), "polynomials": sets}, lines)
+    slopes = orders({name: resolved(found) for name, found in study.entries.items()})
+    write_all(out, settings, {**study.entries, "order": slopes, "polynomials": sets}, lines)

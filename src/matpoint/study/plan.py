@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from matpoint.checks import instance, whole
-from matpoint.errors import InputError
+from matpoint.errors import InputError, naming
 from matpoint.memory import refuse_size
 from matpoint.problems import PROBLEMS, ManufacturedProblem
 from matpoint.study.choices import changed, packed
@@ -111,6 +111,8 @@ def plan(
         _refuse(problem, label, choice, given)
     for n in sizes:
         refuse_problem_size(replace(problem, cells=n))
+    if problem.dt:
+        _refuse_step(replace(problem, cells=sizes[0]), chosen, given)
     return Plan(problem, chosen, sizes, given)
 
 
@@ -127,15 +129,20 @@ def _chosen(problem: ManufacturedProblem, methods: Methods | None) -> dict[str, 
 
 
 def _refuse(problem: ManufacturedProblem, label: str, choice: Interpolation, transfer: Transfer) -> None:
-    """Refuse a method that can't go with the transfer, the order of stages or the problem's walls."""
-    from matpoint.combinations import refuse_combinations  # noqa: PLC0415 (compiles)
-
-    scheme = problem.scheme_for(choice, transfer)
+    """Refuse a method that can't go with the transfer, the order of stages, the walls or the particles."""
     try:
-        refuse_combinations(problem.grid().dim, choice, scheme, list(problem.conditions()), [])
+        problem.refuse(choice, transfer)
     except InputError as error:
-        text = str(error) if str(error).startswith(label) else f"{label}: {error}"
+        text = str(error).removeprefix(f"{problem.name}: ")
+        text = text if text.startswith(label) else f"{label}: {text}"
         raise InputError(f"converge: {text}; or leave {label} out of the methods") from None
+
+
+def _refuse_step(coarsest: ManufacturedProblem, chosen: Mapping[str, Interpolation], given: Transfer) -> None:
+    """Refuse a step of the user's that is over the limit on the coarsest cells, and so on all."""
+    for label, choice in chosen.items():
+        with naming(f"converge: {label} on {coarsest.cells} cells"):
+            coarsest.simulation(choice, scheme=coarsest.scheme_for(choice, given), threads=1)
 
 
 def refuse_problem_size(problem: ManufacturedProblem) -> None:

@@ -50,7 +50,9 @@ def run_choice(
             first.run(2 * first.dt, writers=[Sampler(1, problem.errors)])
             _warm.add((problem.name, label))
         track = problem.track(interpolation, threads=1, transfer=transfer)
-    except (InputError, ArithmeticError, ValueError, MemoryError) as error:
+    except InputError as error:
+        return entry(problem.cells, failed=f"step 0: {error}")
+    except (ArithmeticError, ValueError, MemoryError) as error:
         return entry(problem.cells, failed=f"step 0: {type(error).__name__}: {error}")
     return entry(problem.cells, problem.measure(track), track.particle_steps, track.wall, track.failed)
 
