@@ -25,34 +25,32 @@ def _spread(centre, r, s, t):
 
 
 @device
-def _corners(p, dim, share, position, r, first, x, at, weights):
-    """Put corners at x[first:] (flat), R and G (S 18, 19) at weights[at:] (flat); ``share`` is 1/2^dim."""
+def _corners(p, dim, position, r, corner, weights):
+    """Put eight corners into ``corner`` and their R and G (S 18, 19) into ``weights``, both flat.
+
+    The first 2^dim of them count; they do not go along missing axes.
+    """
     # Rows of the cofactor matrix are r2 x r3, r3 x r1, r1 x r2.
     e = cofactors(
         r[p, 0, 0], r[p, 0, 1], r[p, 0, 2], r[p, 1, 0], r[p, 1, 1], r[p, 1, 2], r[p, 2, 0], r[p, 2, 1],
         r[p, 2, 2],
     )  # fmt: skip
+    two, three = 1.0 if dim > 1 else 0.0, 1.0 if dim > 2 else 0.0
+    share = 0.125 if dim > 2 else (0.25 if dim > 1 else 0.5)
     s = share / (r[p, 0, 0] * e[0][0] + r[p, 0, 1] * e[0][1] + r[p, 0, 2] * e[0][2])
-    if dim == 3:
-        store_triples(
-            x, first,
-            _spread(position[p, 0], r[p, 0, 0], r[p, 1, 0], r[p, 2, 0]),
-            _spread(position[p, 1], r[p, 0, 1], r[p, 1, 1], r[p, 2, 1]),
-            _spread(position[p, 2], r[p, 0, 2], r[p, 1, 2], r[p, 2, 2]),
-        )  # fmt: skip
-        store_quadruples(
-            weights, at, splat(share),
-            _spread(0.0, s * e[0][0], s * e[1][0], s * e[2][0]),
-            _spread(0.0, s * e[0][1], s * e[1][1], s * e[2][1]),
-            _spread(0.0, s * e[0][2], s * e[1][2], s * e[2][2]),
-        )  # fmt: skip
-        return
-    for c in range(2 * dim):  # 2^dim for one and two dimensions
-        u, v = SIGNS[c, 0], SIGNS[c, 1] if dim > 1 else 0.0
-        for a in range(3):
-            x[first + 3 * c + a] = position[p, a] + u * r[p, 0, a] + v * r[p, 1, a]
-            weights[at + 4 * c + a + 1] = s * (u * e[0][a] + v * e[1][a])
-        weights[at + 4 * c] = share
+    s2, s3 = two * s, three * s
+    store_triples(
+        corner, 0,
+        _spread(position[p, 0], r[p, 0, 0], two * r[p, 1, 0], three * r[p, 2, 0]),
+        _spread(position[p, 1], r[p, 0, 1], two * r[p, 1, 1], three * r[p, 2, 1]),
+        _spread(position[p, 2], r[p, 0, 2], two * r[p, 1, 2], three * r[p, 2, 2]),
+    )  # fmt: skip
+    store_quadruples(
+        weights, 0, splat(share),
+        _spread(0.0, s * e[0][0], s2 * e[1][0], s3 * e[2][0]),
+        _spread(0.0, s * e[0][1], s2 * e[1][1], s3 * e[2][1]),
+        _spread(0.0, s * e[0][2], s2 * e[1][2], s3 * e[2][2]),
+    )  # fmt: skip
 
 
 @kernel
@@ -62,12 +60,14 @@ def parallelepipeds(start, stop, index, first, dim, position, edges, x, weights)
     The q-th, with position[q] and edges[q], belongs to particle index[q]; its corner c is vertex
     first + q * 2^dim + c.
     """
-    count, width = 2**dim, 4 * weights.shape[1]
-    places, flat = x.reshape(-1), weights.reshape(-1)
+    count, places, own = 2**dim, np.empty(24), np.empty(32)
     for q in range(start, stop):
-        _corners(
-            q, dim, 1.0 / count, position, edges, 3 * (first + q * count), places, width * index[q], flat
-        )
+        _corners(q, dim, position, edges, places, own)
+        for c in range(count):
+            for a in range(3):
+                x[first + q * count + c, a] = places[3 * c + a]
+            for a in range(4):
+                weights[index[q], c, a] = own[4 * c + a]
 
 
 @kernel
@@ -100,7 +100,7 @@ def particles_to_nodes(
             content, pull_x, pull_y, pull_z = contribution(
                 p, v, mass, volume, stress, body, kinematic, dynamic
             )
-            _corners(p, dim, 1.0 / count, x, edges, 0, places, 0, weights)
+            _corners(p, dim, x, edges, places, weights)
             for c in range(count):
                 record = fma(weights[4 * c + 1], pull_x, scale(weights[4 * c], content))
                 record = fma(weights[4 * c + 3], pull_z, fma(weights[4 * c + 2], pull_y, record))
@@ -119,7 +119,7 @@ def nodes_to_particles(
     count, corner, weights = 2**dim, np.empty((8, 3)), np.empty(32)
     places = corner.reshape(-1)
     for p in range(start, stop):
-        _corners(p, dim, 1.0 / count, x, edges, 0, places, 0, weights)
+        _corners(p, dim, x, edges, places, weights)
         value, along_x, along_y, along_z = zero(), zero(), zero(), zero()
         for c in range(count):
             record = value_at(ax, ay, az, ny, nz, nodes, corner, c)
