@@ -81,11 +81,16 @@ def nodes_to_particles(
 
 
 @kernel
-def mass_times(ax, ay, az, ny, nz, source, target, slabs, start, stop, pointer, order, x, mass):
-    """Add M source to target in every lane, with the consistent mass M_ij = sum_g phi_i phi_j m_g."""
+def mass_times(ax, ay, az, ny, nz, source, target, slabs, start, stop, pointer, order, x, mass, count):
+    """Add M source to target in every lane, with the consistent mass M_ij = sum_g phi_i phi_j m_g.
+
+    Of the first ``count`` points; those that follow are left out.
+    """
     for q in range(start, stop):
         for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
             p = order[r]
+            if p >= count:
+                continue
             bx, wx, _ = row(ax, x[p, 0], 0.0)
             by, wy, _ = row(ay, x[p, 1], 0.0)
             bz, wz, _ = row(az, x[p, 2], 0.0)
