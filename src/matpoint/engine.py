@@ -7,7 +7,7 @@ which of its methods run, and in which order.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -22,7 +22,7 @@ from matpoint.kernels.ledger import sum_loads
 from matpoint.kernels.nodes import constrain, solve, solve_extra
 from matpoint.loads import Damping, Loads
 from matpoint.materials import Material, stress_kernel
-from matpoint.neumann import neumann_correction
+from matpoint.neumann import NeumannSeries
 from matpoint.particles import Particles, Rows
 from matpoint.threads import BLOCK, Team
 
@@ -170,19 +170,18 @@ class Engine:
 
     def extend(self) -> None:
         """XPIC's velocity for the particles, in the place of the nodes' increments."""
-        n = self.mapping.nodes.records
-        correction = self._neumann(n[:, :3] - n[:, 4:7], self.external)
-        n[:, 4:7] = n[:, :3] + correction
+        self._add_series(1.0, self.external)
+        self._series.take(4)
 
     def invert_mass(self) -> None:
         """FMPM's velocities at the end of the step."""
-        n = self.mapping.nodes.records
-        n[:, :3] += self._neumann(n[:, :3].copy(), self.external)
+        self._add_series(0.0, self.external)
+        self._series.take(0)
 
     def invert_mass_only(self) -> None:
         """FMPM's velocities from momenta, for the gradient alone."""
-        n = self.mapping.nodes.records
-        n[:, :3] += self._neumann(n[:, :3].copy(), np.zeros(7))
+        self._add_series(0.0, np.zeros(7))
+        self._series.take(0)
 
     def scatter_extended(self) -> None:
         """XPIC's velocity and position to the particles; velocity gradient, F and stress."""
@@ -249,14 +248,16 @@ class Engine:
         self.particles.velocity[:] = 0.0
         self._return(1.0, move=True, deform=deform)
 
-    def _neumann(self, velocity: np.ndarray, external: np.ndarray) -> np.ndarray:
-        """Return the series' terms after the first; conditions on them are booked."""
-        c = self.constraints
-        correction, push = neumann_correction(self.mapping, velocity, self.terms, c)
+    @cached_property
+    def _series(self) -> NeumannSeries:
+        return NeumannSeries(self.mapping, self.constraints, self.terms)
+
+    def _add_series(self, share: float, external: np.ndarray) -> None:
+        """Add up the series' terms after the first, v - share dv; conditions on them are booked."""
+        c, push = self.constraints, self._series.add_up(share)
         if len(c.index):
             before, after = c.velocities(self.time), c.velocities(self.time + self.dt)
             self._book(push, before, after, external)
-        return correction
 
     def _book(self, push: np.ndarray, before: np.ndarray, after: np.ndarray, external: np.ndarray) -> None:
         """Book impulses [N s] along the held directions, their work and their moment."""

@@ -172,6 +172,17 @@ class Nodes:
         first = self.first[0]
         team.split(i, lambda a, b: call(first + a, first + b), each=-(-j * k // _LIGHT))
 
+    def each(self, team: Team, call: Callable[..., Any]) -> None:
+        """Call ``call(start, stop, ny, nz, first, last)`` on the active nodes, and on those off the grid.
+
+        Those are planes start:stop of a grid, each of ``ny`` by ``nz`` nodes, within the block from ``first``
+        to ``last``.
+        """
+        ny, nz = self.shape[1:]
+        self.planes(team, lambda a, b: call(a, b, ny, nz, self.first, self.last))
+        if len(self.records) > self.on_grid:
+            call(0, 1, 1, 1, (0, 0, self.on_grid), (1, 1, len(self.records)))
+
     def clear(self, team: Team) -> None:
         """Empty the active records before a transfer."""
         ny, nz = self.shape[1:]

@@ -57,7 +57,7 @@ def test_fields_that_are_polynomials_are_exact_at_gauss_points(choice, dim):
     f = polynomial(dim, choice.degree, rng)
     p.stress[:] = f(p.position)[:, None] * np.arange(1, 7)
     p.mass[:] = 3.0 * p.volume
-    q.evaluate(p, np.ones((1, 3)), with_velocity=False)
+    q.evaluate(p, np.ones((1, 3)))
     assert len(q.cut) == 0
     expected = f(q.position)[:, None] * np.arange(1, 7)
     np.testing.assert_allclose(q.stress, expected, atol=1e-9 * np.abs(expected).max())
@@ -184,6 +184,27 @@ def test_the_same_bits_for_any_number_of_threads(choice, monkeypatch):
         results.append(mapping.nodes.records.copy())
         assert n > 100
     np.testing.assert_array_equal(results[0], results[1])
+
+
+@pytest.mark.parametrize("choice", [mp.IMLS(), mp.TLS(), mp.SplineIMLS()], ids=lambda m: m.name)
+def test_a_body_that_crosses_a_large_empty_grid_works_on_the_nodes_around_it(choice):
+    rubber, found = mp.NeoHookean(E=1e5, nu=0.3, density=1e3), []
+    for low, high in ((0.0, 4.0), (-16.0, 32.0)):
+        body = mp.Body(mp.Ball((1.0, 1.0), 0.7), rubber, 3, velocity=(9.0,))
+        sim = mp.Simulation(
+            mp.Grid((low,) * 2, (high,) * 2, 0.25), [body],
+            interpolation=choice, timestep=mp.FixedStep(2e-3), threads=1,
+        )  # fmt: skip
+        for _ in range(60):
+            sim.advance(sim.dt)
+        mapping = sim.engine.mapping
+        found.append((sim.particles.ordered("position"), mapping.ranks.min(), mapping.grid_mass))
+    np.testing.assert_allclose(found[1][0], found[0][0], atol=1e-9)
+    assert found[1][1] == found[0][1]
+    assert found[1][2] == pytest.approx(found[0][2], rel=1e-9)
+    n = mapping.nodes
+    assert np.prod(np.subtract(n.last, n.first)) < 200 < n.on_grid / 100
+    assert len(mapping.cells.filled) < 200
 
 
 def test_raw_monomials_far_from_the_origin_are_ill_conditioned():

@@ -78,7 +78,8 @@ def test_boxes_count_for_the_cells_that_they_lie_in(dim):
     rest = np.ones(len(p))
     for c in np.unique(q.cell):
         share = np.ones(len(p))
-        for a, k in enumerate(np.unravel_index(c, tuple(mapping.cells.cells))[:dim]):
+        at = np.unravel_index(c, tuple(mapping.cells.cells))[:dim]
+        for a, k in enumerate(mapping.cells.first[:dim] + np.array(at)):
             low, x, wide = grid.lower[a] + k * grid.cell[a], p.position[:, a], half[:, a]
             length = np.minimum(x + wide, low + grid.cell[a]) - np.maximum(x - wide, low)
             share *= np.maximum(length, 0.0) / (2 * wide)

@@ -19,6 +19,8 @@ import numpy as np
 from matpoint.errors import InputError
 from matpoint.faces import Facets
 from matpoint.grid import Grid
+from matpoint.interpolation.spare import Spare
+from matpoint.kernels.neumann import divide_by_mass, set_out
 from matpoint.measures import edge_vectors, half_lengths, measured
 from matpoint.nodes import Nodes
 from matpoint.particles import Particles
@@ -199,13 +201,17 @@ class Mapping(ABC):
         If the grid's velocity carries them, take note of where they are after ``dt``, if they ``move``.
         """
 
-    def to_particles(self, dt: float, flip: float, *, move: bool, deform: Deform | None = None) -> int:
+    def to_particles(
+        self, dt: float, flip: float, *, move: bool, deform: Deform | None = None, carry: bool = True
+    ) -> int:
         """Bring velocity and next position (``move``) to the particles, and deform them.
+
+        With them go the corners of their domains, if the grid carries them and ``carry`` is True.
 
         ``deform`` is handed velocity gradients of a block of particles as soon as they are known, while
         they are in the processor's cache; none are kept. Return the lowest particle that it refused, or -1.
         """
-        self.nodes_to_vertices(dt, move=move)
+        self.nodes_to_vertices(dt, move=move and carry)
         take = Take(dt, flip, move, deform is not None)
 
         def piece(start: int, stop: int) -> int:
@@ -251,27 +257,24 @@ class Mapping(ABC):
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take up what ``state`` gave; the particles have been restored already."""
 
+    @cached_property
+    def _spare(self) -> Spare:
+        return Spare(self.nodes, self.particles)
+
     def round_trip(self, velocity: np.ndarray) -> np.ndarray:
         """Return S+ S v: nodal velocities [m/s] brought to the particles and back, shape (records, 3).
 
-        Nodes, particles and where they are to go are left as they are.
+        It holds for active nodes, until the next trip. Nodes, particles and where they are to go are left as
+        they are.
         """
-        p, n, v = self.particles, self.nodes.records, self.vertices
-        kept, own, ahead = n.copy(), p.velocity, self.position_next
-        p.velocity, self.position_next = np.zeros_like(own), np.zeros_like(own)
-        corners = None if v is None else v.position_next
-        if v is not None:
-            v.position_next = np.zeros_like(v.position_next)
-        n[:, :3], n[:, 4:7] = velocity, 0.0
-        self.to_particles(0.0, 0.0, move=True)
-        n[:, :3] = 0.0
-        self.velocities_to_nodes()
-        mass = n[:, 3:4]
-        result = np.divide(n[:, :3], mass, out=np.zeros_like(velocity), where=mass > 0.0)
-        n[:], p.velocity, self.position_next = kept, own, ahead
-        if v is not None and corners is not None:
-            v.position_next = corners
-        return result
+        nodes, spare = self.nodes, self._spare
+        own, trip = nodes.flat, spare.nodes.reshape(-1)
+        nodes.each(self.team, lambda *some: set_out(*some, own, velocity, trip))
+        with spare.in_place_of_own(self):
+            self.to_particles(0.0, 0.0, move=True, carry=False)
+            self.velocities_to_nodes()
+        nodes.each(self.team, lambda *some: divide_by_mass(*some, trip))
+        return spare.nodes[:, :3]
 
     def velocities_to_nodes(self) -> None:
         """Put momenta of the particles' velocities on nodes that have the masses already."""

@@ -7,17 +7,19 @@ from typing import ClassVar
 
 import numpy as np
 
-from matpoint.grid import Grid
+from matpoint.interpolation.cells import CellList, room
 from matpoint.interpolation.contract import ParticleError
-from matpoint.kernels import reconstruct as kernels
+from matpoint.kernels import cells as kernels
+from matpoint.kernels import points as point_kernels
+from matpoint.kernels.reconstruct import HEAVY, ROOM, STRIDE, fields_at_points
+from matpoint.kernels.vector import LANES, lines, records
 from matpoint.nodes import Nodes
 from matpoint.particles import Particles
-from matpoint.sorting import Slabs, box_of, sort_by_cell
+from matpoint.sorting import Slabs
 from matpoint.threads import Team
 
-FULL = 0.75  # filled share that makes a cell whole; beside a free surface a full cell has 7/8 an axis
-
-_ANYWHERE = np.full(3, -np.inf), np.full(3, np.inf)
+#: Arrays of points and the shape of what each has.
+_CARRIED = {"position": (3,), "velocity": (3,), "mass": (), "volume": (), "stress": (6,), "body": (3,)}
 
 Monomials = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -39,55 +41,18 @@ class Solver:
     limit: float
 
 
-class CellList:
-    """Particles by cell, and how much of each cell they fill.
+class PointSlabs(Slabs):
+    """Slabs of points whose number changes."""
 
-    Attributes
-    ----------
-    origin, size, inverse, cells
-        Of the grid, three components; missing axes have one cell of size 1 and inverse 0.
-    pointer, order
-        Particles of cell c are ``order[pointer[c]:pointer[c + 1]]``.
-    """
+    def resize(self, count: int) -> None:
+        """Make room for another number of points."""
+        self._count = count
+        self._keys, self._orders = room(self._keys, count), room(self._orders, count)
+        self._key, self.order = self._keys[:count], self._orders[:count]
 
-    def __init__(self, grid: Grid, team: Team, count: int) -> None:
-        self._team = team
-        absent = 3 - grid.dim
-        self.origin = np.array([*grid.lower, *(0.0,) * absent])
-        self.size = np.array([*grid.cell, *(1.0,) * absent])
-        self.inverse = np.array([*(1.0 / h for h in grid.cell), *(0.0,) * absent])
-        self.cells = np.array([*grid.cells, *(1,) * absent])
-        self.cell = np.zeros(count, dtype=np.int32)
-        self.order = self.cell.copy()
-        self.filled = np.zeros(int(self.cells.prod()))
-
-    def renew(self, particles: Particles) -> None:
-        """Sort the particles again, where they are now."""
-        x = particles.position
-        self.pointer = sort_by_cell(
-            self._team, x, self.origin, self.inverse, np.zeros(3, dtype=np.int64), self.cells, self.cell,
-            self.order,
-        )  # fmt: skip
-        kernels.fill_cells(x, particles.volume, self.origin, self.inverse, self.cells, self.filled)
-
-    def whole_cells(self, surrounded: bool) -> np.ndarray:
-        """Flag the cells that the body fills, shape (cells,); if ``surrounded``, all around them too.
-
-        Beside a free surface a fit has particles on one side only, and to reach beyond them is to
-        extrapolate: such cells are left to their particles.
-        """
-        from scipy.ndimage import minimum_filter  # noqa: PLC0415 (slow to import)
-
-        full = (self.filled >= FULL).reshape(self.cells)
-        if full.all() or not surrounded:
-            return full.ravel()
-        size = np.where(self.inverse > 0.0, 3, 1)
-        return minimum_filter(full, size=tuple(size), mode="nearest").ravel()
-
-    @property
-    def arguments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Origin, inverse and cells, as kernels take them."""
-        return self.origin, self.inverse, self.cells
+    def __init__(self, nodes: Nodes, team: Team) -> None:
+        super().__init__(nodes, team, 0)
+        self._keys, self._orders = self._key, self.order
 
 
 class Quadrature:
@@ -103,9 +68,18 @@ class Quadrature:
         [Pa]
     ranks, conditions : ndarray, shape (g,)
         Rank and condition number of the moment matrix of each Gauss point; the g Gauss points come first.
-    cell : ndarray, shape (g,)
-        The cell of each Gauss point.
+    fields : ndarray
+        What the particles hand to the points, flat (``kernels.points``).
+    cut : ndarray
+        The particles that are points, after the Gauss points.
     """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    mass: np.ndarray
+    volume: np.ndarray
+    stress: np.ndarray
+    body: np.ndarray
 
     #: Whether a fit reaches into the cells around, so that they must be filled as well.
     surrounded: ClassVar[bool] = True
@@ -114,7 +88,7 @@ class Quadrature:
         self, cells: CellList, nodes: Nodes, team: Team, solver: Solver, monomials: Monomials, support: float,
         points: int, dim: int,
     ) -> None:  # fmt: skip
-        self._list, self._nodes, self._team = cells, nodes, team
+        self._list, self._team = cells, team
         self._solver, self._monomials, self._support = solver, monomials, support
         at, weight = np.polynomial.legendre.leggauss(points)
         lines = [0.5 * (at + 1.0)] * dim + [np.array([0.0])] * (3 - dim)
@@ -122,64 +96,110 @@ class Quadrature:
         parts = [0.5 * weight] * dim + [np.ones(1)] * (3 - dim)
         shares = np.prod([m.ravel() for m in np.meshgrid(*parts, indexing="ij")], axis=0)
         self._shares = shares * cells.size.prod()
-        self._whole = np.zeros(0, dtype=bool)
+        self.slabs = PointSlabs(nodes, team)
+        # All arrays are made anew only when they have to grow; points take the first part of each.
+        self._chosen = np.zeros(0, dtype=np.int64)
+        self._ranks, self._conditions = np.zeros(0, dtype=np.int64), np.zeros(0)
+        self._room = {name: np.zeros((0, *shape)) for name, shape in _CARRIED.items()}
+        self.fields, self._values = records(0).reshape(-1), records(0).reshape(-1)
 
-    def place(self, particles: Particles) -> None:
-        """Put the points where they belong, for the particles where they are."""
+    @property
+    def cell(self) -> np.ndarray:
+        """The cell of each Gauss point, shape (g,)."""
+        return np.repeat(self._whole, len(self._unit))
+
+    def place(self, particles: Particles, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Put the points where they belong, for the particles in a box [m]; return the corners of all."""
         c = self._list
-        whole = c.whole_cells(self.surrounded)
-        if not np.array_equal(whole, self._whole):
-            self._whole = whole
-            chosen = np.flatnonzero(whole)
-            corner = np.stack(np.unravel_index(chosen, tuple(c.cells)), axis=1)
-            gauss = c.origin + (corner[:, None] + self._unit[None]) * c.size
-            self._gauss = gauss.reshape(-1, 3)
-            self.cell = np.repeat(chosen, len(self._unit))
-            self._volume = np.tile(self._shares, len(chosen))
-            self.ranks = np.zeros(len(self._gauss), dtype=np.int64)
-            self.conditions = np.zeros(len(self._gauss))
-        self.cut = np.flatnonzero(~whole[c.cell])
-        self.position = np.concatenate([self._gauss, particles.position[self.cut]])
-        if len(self.cut):
-            self.cut_slabs = Slabs(self._nodes, self._team, len(self.cut), self.cut.astype(np.int32))
-            self.cut_slabs.renew(particles.position, *self._box(particles.position))
-        self.slabs = Slabs(self._nodes, self._team, len(self.position))
-        self.slabs.renew(self.position, *self._box(self.position))
-
-    def _box(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The corners of the box around points [m]."""
-        return box_of(self._team, x, *_ANYWHERE)[1:]
-
-    def evaluate(self, particles: Particles, body: np.ndarray, with_velocity: bool) -> None:
-        """Bring the particles' fields to the points (T 24-26)."""
-        p, c, s = particles, self._list, self._solver
-        fields = np.zeros((len(p), kernels.FIELDS))
-        fields[:, 0] = p.mass / p.volume
-        fields[:, 1:7] = p.stress
-        fields[:, 7:10] = fields[:, :1] * body
-        if with_velocity:
-            fields[:, 10:13] = p.velocity
-        values = np.empty((len(self._gauss), kernels.FIELDS))
-        found = self._team.split(
-            len(values),
-            lambda a, b: kernels.fields_at_points(
-                a, b, self._gauss, s.mode, *self._monomials, s.tolerance, s.limit, *c.arguments,
-                self._support, p.position, c.order, c.pointer, fields.ravel(), values.ravel(), self.ranks,
-                self.conditions,
+        c.mark_whole(self.surrounded)
+        self._chosen = room(self._chosen, len(c.whole))
+        least, most = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
+        found = kernels.list_whole(c.whole, c.first, c.cells, self._chosen, least, most)
+        self._whole = self._chosen[:found]
+        self.cut = c.list_cut()
+        gauss = found * len(self._unit)
+        self._resize(gauss, gauss + len(self.cut))
+        self._team.split(
+            found,
+            lambda a, b: kernels.gauss_points(
+                a, b, self._whole, self._unit, c.origin, c.size, c.first, c.cells, self.position
             ),
-            kernels.HEAVY,
+            len(self._unit),
+        )
+        np.take(particles.position, self.cut, axis=0, out=self.position[gauss:], mode="clip")
+        # The box ends at the cells' centres, so that rounding can't take in one more.
+        low = np.minimum(low, c.origin + (least + 0.5) * c.size)
+        high = np.maximum(high, c.origin + (most + 0.5) * c.size)
+        self._box = low, high
+        self._sort()
+        return self._box
+
+    def _resize(self, gauss: int, count: int) -> None:
+        """Let there be so many Gauss points, and so many points in all."""
+        self._ranks, self._conditions = room(self._ranks, gauss), room(self._conditions, gauss)
+        self.ranks, self.conditions = self._ranks[:gauss], self._conditions[:gauss]
+        self._values = _line_pairs(self._values, gauss)
+        for name, array in self._room.items():
+            self._room[name] = room(array, count)
+            setattr(self, name, self._room[name][:count])
+
+    def _sort(self) -> None:
+        """Sort the points by slab."""
+        self.slabs.resize(len(self.position))
+        self.slabs.renew(self.position, *self._box)
+
+    def evaluate(self, particles: Particles, body: np.ndarray) -> None:
+        """Bring the particles' fields to the points (T 24-26)."""
+        p, gauss = particles, len(self.ranks)
+        self.fields = _line_pairs(self.fields, len(p))
+        self._team.split(
+            len(p),
+            lambda a, b: point_kernels.particle_fields(
+                a, b, p.mass, p.volume, p.stress, body, p.velocity, self.fields
+            ),
+        )
+        found = self._team.split(gauss, lambda a, b: self._fit(p.position, a, b), HEAVY)
+        refuse_crowds(found, self._list)
+        self._team.split(
+            len(self.cut),
+            lambda a, b: point_kernels.carry_particles(
+                a, b, self.cut, gauss, p.mass, p.volume, p.stress, body, p.velocity, self.mass, self.volume,
+                self.stress, self.body, self.velocity,
+            ),
         )  # fmt: skip
-        refuse_crowds(found, c)
-        density = values[:, 0]
-        inverse = np.divide(1.0, density, out=np.zeros_like(density), where=density > 0.0)
-        k = self.cut
-        own = np.broadcast_to(body, (len(p), 3))
-        self.mass = np.concatenate([density * self._volume, p.mass[k]])
-        self.volume = np.concatenate([self._volume, p.volume[k]])
-        self.stress = np.concatenate([values[:, 1:7], p.stress[k]])
-        self.body = np.concatenate([values[:, 7:10] * inverse[:, None], own[k]])
-        velocity = values[:, 10:13] if with_velocity else np.zeros((len(values), 3))
-        self.velocity = np.concatenate([velocity, p.velocity[k]])
+
+    def _fit(self, x: np.ndarray, start: int, stop: int) -> int:
+        """Fields at Gauss points start:stop."""
+        c, s, values = self._list, self._solver, self._values
+        crowded = fields_at_points(
+            start, stop, self.position, s.mode, *self._monomials, s.tolerance, s.limit, *c.arguments,
+            self._support, x, c.order, c.pointer, self.fields, values, self.ranks, self.conditions,
+            *workspace(self._team, self._monomials),
+        )  # fmt: skip
+        point_kernels.carry_values(
+            start, stop, values, self._shares, self.mass, self.volume, self.stress, self.body, self.velocity
+        )
+        return crowded
+
+    def renew_velocities(self, velocity: np.ndarray) -> None:
+        """Let the particles hand over other velocities [m/s]."""
+        self._team.split(
+            len(velocity), lambda a, b: point_kernels.particle_velocities(a, b, velocity, self.fields)
+        )
+
+
+def _line_pairs(array: np.ndarray, count: int) -> np.ndarray:
+    """Return a flat array, this one or a longer one, that has ``FIELDS`` numbers for each of ``count``."""
+    if len(array) >= point_kernels.FIELDS * count:
+        return array
+    return records((count + count // 8) * point_kernels.FIELDS // LANES).reshape(-1)
+
+
+def workspace(team: Team, monomials: Monomials) -> tuple[np.ndarray, np.ndarray]:
+    """Return the calling thread's own arrays for fits (``kernels.reconstruct.workspace``)."""
+    columns = int(monomials[0][-1])
+    long = lines(team.scratch((columns + 6) * STRIDE + LANES), columns + 6, STRIDE)
+    return long, team.scratch(columns + 2, columns)
 
 
 def refuse_crowds(found: list[int], cells: CellList) -> None:
@@ -187,5 +207,5 @@ def refuse_crowds(found: list[int], cells: CellList) -> None:
     if any(q >= 0 for q in found):
         raise ParticleError(
             int(cells.order[0]),
-            f"more than {kernels.ROOM} particles lie within the support of one point; use fewer per cell",
+            f"more than {ROOM} particles lie within the support of one point; use fewer per cell",
         )

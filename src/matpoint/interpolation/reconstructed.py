@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from matpoint.interpolation.box import BoxMapping, scatter
+from matpoint.interpolation.cells import CellList, room
 from matpoint.interpolation.contract import Setting
-from matpoint.interpolation.quadrature import CellList, Monomials, Quadrature, Solver, refuse_crowds
-from matpoint.kernels import reconstruct as kernels
+from matpoint.interpolation.quadrature import Monomials, Quadrature, Solver, refuse_crowds, workspace
+from matpoint.kernels import momenta as kernels
+from matpoint.kernels.nodes import clear
+from matpoint.kernels.reconstruct import HEAVY, velocities_at_nodes
+from matpoint.kernels.vector import records
 from matpoint.nodes import Axis
 
 
@@ -28,7 +34,7 @@ class ReconstructedMapping(BoxMapping):
         transfer of velocities. The sum, not the particles' momentum itself, which vanishes in a standing
         wave. 0 if all are at rest.
     node_ranks, node_conditions : ndarray
-        Rank and condition number of the moment matrix at each node.
+        Rank and condition number of the moment matrix at each active node.
     """
 
     quadrature_kind: ClassVar[type[Quadrature]] = Quadrature
@@ -43,9 +49,8 @@ class ReconstructedMapping(BoxMapping):
         self.quadrature = self.quadrature_kind(
             self.cells, self.nodes, self.team, solver, fields, support, points, setting.grid.dim
         )
-        self._places = self.nodes.positions()
-        self.node_ranks = np.zeros(self.nodes.on_grid, dtype=np.int64)
-        self.node_conditions = np.zeros(self.nodes.on_grid)
+        self.node_ranks, self.node_conditions = np.zeros(0, dtype=np.int64), np.zeros(0)
+        self._ranks, self._conditions = self.node_ranks, self.node_conditions
         self.grid_mass = float(self.particles.mass.sum())
         self.grid_momentum_error = 0.0
 
@@ -80,20 +85,18 @@ class ReconstructedMapping(BoxMapping):
         return found[self.cells.cell]
 
     def activate(self, low: np.ndarray, high: np.ndarray) -> None:
-        self.nodes.active_everywhere()  # Gauss points may lie in cells that hold no particle
-
-    def before(self) -> None:
-        super().before()
-        self.cells.renew(self.particles)
-        self.quadrature.place(self.particles)
+        self.cells.renew(self.particles, low, high)
+        # Gauss points may lie in cells that hold no particle.
+        self.nodes.active_within(*self.quadrature.place(self.particles, low, high))
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
-        self.quadrature.evaluate(self.particles, body, with_velocity=False)
+        self.quadrature.evaluate(self.particles, body)
         self._scatter(kinematic, dynamic)
         if kinematic:
             self._velocities()
 
     def velocities_to_nodes(self) -> None:
+        self.quadrature.renew_velocities(self.particles.velocity)
         self._velocities()
 
     def round_trip(self, velocity: np.ndarray) -> np.ndarray:
@@ -104,46 +107,56 @@ class ReconstructedMapping(BoxMapping):
 
     def _scatter(self, kinematic: bool, dynamic: bool) -> None:
         """Mass, momentum and forces of the quadrature points to the nodes (T 28-30, with rho in T 29)."""
-        q, n = self.quadrature, self.nodes
-        scatter(self.team, n, q.slabs, q, self.half, q.body, kinematic=kinematic, dynamic=dynamic)
-        if kinematic:
-            self.grid_mass = float(n.records[:, 3].sum())
+        q = self.quadrature
+        scatter(self.team, self.nodes, q.slabs, q, self.half, q.body, kinematic=kinematic, dynamic=dynamic)
 
     def _velocities(self) -> None:
         """Momenta m_i v_i with velocities by the hat as weight (T 31)."""
-        p, n, s, c = self.particles, self.nodes, self._solver, self.cells
+        n, s, c = self.nodes, self._solver, self.cells
+        count = math.prod(b - a for a, b in zip(n.first, n.last, strict=True))
+        self._ranks, self._conditions = room(self._ranks, count), room(self._conditions, count)
+        self.node_ranks, self.node_conditions = self._ranks[:count], self._conditions[:count]
         found = self.team.split(
-            n.on_grid,
-            lambda a, b: kernels.velocities_at_nodes(
-                a, b, n.flat, self._places, s.mode, *self._velocity_monomials, s.tolerance, s.limit,
-                *c.arguments, 1.0, p.position, p.velocity, c.order, c.pointer, self.node_ranks,
-                self.node_conditions,
+            count,
+            lambda a, b: velocities_at_nodes(
+                a, b, *n.shape[1:], n.first, n.last, n.flat, *n.coordinates, s.mode,
+                *self._velocity_monomials, s.tolerance, s.limit, *c.arguments, 1.0, self.particles.position,
+                c.order, c.pointer, self.quadrature.fields, self.node_ranks, self.node_conditions,
+                *workspace(self.team, self._velocity_monomials),
             ),
-            kernels.HEAVY,
+            HEAVY,
         )  # fmt: skip
         refuse_crowds(found, c)
         if len(self.quadrature.cut):
             self._average_beside_cut_cells()
-        self._compare_momenta()
+        self._compare()
 
-    def _compare_momenta(self) -> None:
-        """Note how far the nodes' momentum is from the particles', whose velocities are still those sent."""
-        p = self.particles
-        momenta = p.mass[:, None] * p.velocity
-        gap = self.nodes.records[:, :3].sum(axis=0) - momenta.sum(axis=0)
-        scale = float(np.sqrt((momenta**2).sum(axis=1)).sum())
+    def _compare(self) -> None:
+        """Note the nodes' mass, and how far their momentum is from that of the velocities sent."""
+        p, n = self.particles, self.nodes
+        planes = np.zeros((n.last[0] - n.first[0], 8))
+        n.each(self.team, lambda *some: kernels.sum_records(*some, n.flat, planes.reshape(-1)))
+        found = planes.sum(axis=0)
+        sent = self.team.sums(
+            len(p), 4, lambda *some: kernels.sum_momenta(*some[:3], p.mass, p.velocity, some[3])
+        )
+        gap, scale = found[:3] - sent[:3], float(sent[3])
+        self.grid_mass = float(found[3])
         self.grid_momentum_error = float(np.sqrt(gap @ gap)) / scale if scale > 0.0 else 0.0
+
+    @cached_property
+    def _averages(self) -> np.ndarray:
+        return records(self.nodes.on_grid).reshape(-1)
 
     def _average_beside_cut_cells(self) -> None:
         """Give nodes of cut cells the mass-weighted mean of velocities, as MPM does: no extrapolation."""
-        n, q = self.nodes, self.quadrature
-        kept = n.records.copy()
-        n.clear(self.team)
-        super().to_nodes(np.zeros((1, 3)), kinematic=True, dynamic=False)
-        mean = n.records[:, :3] / np.maximum(n.records[:, 3:4], 1e-300)
-        n.clear(self.team)
-        p = self.particles
-        scatter(self.team, n, q.cut_slabs, p, self.half, p.velocity, kinematic=True, dynamic=False)
-        beside = n.records[:, 3] > 0.0
-        n.records[:] = kept
-        n.records[beside, :3] = kept[beside, 3:4] * mean[beside]
+        n, p, s, c, averages = self.nodes, self.particles, self._slabs, self.cells, self._averages
+        n.each(self.team, lambda *some: clear(averages, *some))
+        self.team.coloured(
+            s.pointer,
+            lambda slabs, a, b: kernels.averages_to_nodes(
+                *n.rows, n.shape[1], n.shape[2], averages, slabs, a, b, s.pointer, s.order, p.position,
+                p.velocity, p.mass, c.cell, c.whole,
+            ),
+        )  # fmt: skip
+        n.each(self.team, lambda *some: kernels.take_averages(*some, averages, n.flat))

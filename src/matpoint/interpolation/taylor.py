@@ -19,7 +19,6 @@ from matpoint.interpolation.reconstruction import monomials
 from matpoint.kernels.reconstruct import HEAVY, MODES
 from matpoint.kernels.taylor import fields_in_cells, sum_in_cells
 from matpoint.particles import Particles
-from matpoint.sorting import Slabs
 
 _HATS = Linear()
 _HIGHEST = 3
@@ -41,34 +40,23 @@ class TaylorQuadrature(Quadrature):
     keep_stress = True
     half = np.zeros((1, 3))
 
-    def evaluate(self, particles: Particles, body: np.ndarray, with_velocity: bool) -> None:
+    def evaluate(self, particles: Particles, body: np.ndarray) -> None:
         p, c = particles, self._list
         own = np.broadcast_to(body, (len(p), 3))
         fields = np.concatenate([(p.mass / p.volume)[:, None], p.stress, own, p.velocity], axis=1)
-        values = np.empty((len(self._gauss), fields.shape[1]))
-        counts, parent, axis = self._monomials
-        chosen = self.cell[:: len(self._unit)]
+        chosen, (counts, parent, axis) = self._whole, self._monomials
+        values = np.empty((len(chosen) * len(self._unit), fields.shape[1]))
         slot = np.full(len(c.filled), -1)
         slot[chosen] = np.arange(len(chosen))
         totals, covered = np.zeros((len(chosen), 14)), np.empty(len(p))
         sum_in_cells(
-            p.position,
-            self.half,
-            p.mass,
-            p.volume,
-            fields,
-            slot,
-            c.origin,
-            c.inverse,
-            c.cells,
-            totals,
-            covered,
-        )
+            p.position, self.half, p.mass, p.volume, fields, slot, *c.arguments, totals, covered
+        )  # fmt: skip
         found = self._team.split(
             len(chosen),
             lambda a, b: fields_in_cells(
                 a, b, chosen, self._unit, self._shares, counts[-1], parent, axis, self._solver.tolerance,
-                self.keep_stress, c.origin, c.inverse, c.size, c.cells, p.position, c.order, c.pointer,
+                self.keep_stress, *c.arguments, c.size, p.position, c.order, c.pointer,
                 fields, totals, values, self.ranks,
             ),
             HEAVY,
@@ -78,15 +66,15 @@ class TaylorQuadrature(Quadrature):
 
     def _add_points(self, p: Particles, values: np.ndarray, own: np.ndarray, rest: np.ndarray) -> None:
         """Put Gauss points and particles together; these carry what went to no cell."""
-        k = np.flatnonzero(rest > _SLIVER)
-        self.position = np.concatenate([self._gauss, p.position[k]])
-        self.slabs = Slabs(self._nodes, self._team, len(self.position))
-        self.slabs.renew(self.position, *self._box(self.position))
-        self.mass = np.concatenate([values[:, 0] * self._volume, rest[k] * p.mass[k]])
-        self.volume = np.concatenate([self._volume, rest[k] * p.volume[k]])
-        self.stress = np.concatenate([values[:, 1:7], p.stress[k]])
-        self.body = np.concatenate([values[:, 7:10], own[k]])
-        self.velocity = np.concatenate([values[:, 10:], p.velocity[k]])
+        k, g = np.flatnonzero(rest > _SLIVER), len(values)
+        self._resize(g, g + len(k))
+        self.position[g:] = p.position[k]
+        self._sort()
+        self.volume[:g], self.volume[g:] = np.tile(self._shares, len(self._whole)), rest[k] * p.volume[k]
+        self.mass[:g], self.mass[g:] = values[:, 0] * self.volume[:g], rest[k] * p.mass[k]
+        self.stress[:g], self.stress[g:] = values[:, 1:7], p.stress[k]
+        self.body[:g], self.body[g:] = values[:, 7:10], own[k]
+        self.velocity[:g], self.velocity[g:] = values[:, 10:], p.velocity[k]
 
 
 class TaylorMapping(ReconstructedMapping):
@@ -126,10 +114,10 @@ class TaylorMapping(ReconstructedMapping):
             self.boxes = np.array(arrays["boxes"])
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
-        self.quadrature.evaluate(self.particles, body, with_velocity=True)
+        self.quadrature.evaluate(self.particles, body)
         self._scatter(kinematic, dynamic)
         if kinematic:
-            self._compare_momenta()
+            self._compare()
 
     def velocities_to_nodes(self) -> None:
         Mapping.velocities_to_nodes(self)

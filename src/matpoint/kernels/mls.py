@@ -31,31 +31,36 @@ def point_weight(r, support, smooth):
 
 
 @device
-def _reach(centre, support, cells):
-    """First and last cell, along one axis, that a weight sees; ``centre`` is in cells."""
-    first = max(int(np.floor(centre - support)), 0)
-    last = min(int(np.floor(centre + support)), cells - 1)
-    return first, last
+def _reach(centre, support, first, cells):
+    """First and last cell of a block, along one axis, that a weight sees; ``centre`` is in cells of the grid.
+
+    If it sees none of them the last is one less than the first.
+    """
+    low = min(max(int(np.floor(centre - support)) - first, 0), cells)
+    high = max(min(int(np.floor(centre + support)) - first, cells - 1), -1)
+    return low, high
 
 
 @device
-def gather(gx, gy, gz, origin, inverse, cells, support, smooth, x, order, pointer, near, weight, offset):
+def gather(
+    gx, gy, gz, origin, inverse, first, cells, support, smooth, x, order, pointer, near, weight, offset
+):  # fmt: skip
     """List the particles within ``support`` cells of a point; return how many, or -1 if there is no room.
 
     ``near`` takes their indices, ``weight`` their weights, ``offset`` (3, room) their (x_p - x_g)/h.
     """
     cx, cy, cz = (gx - origin[0]) * inverse[0], (gy - origin[1]) * inverse[1], (gz - origin[2]) * inverse[2]
-    ax, bx = _reach(cx, support, cells[0])
-    ay, by = _reach(cy, support, cells[1])
-    az, bz = _reach(cz, support, cells[2])
+    ax, bx = _reach(cx, support, first[0], cells[0])
+    ay, by = _reach(cy, support, first[1], cells[1])
+    az, bz = _reach(cz, support, first[2], cells[2])
     n = 0
     for i in range(ax, bx + 1):
         for j in range(ay, by + 1):
             row = (i * cells[1] + j) * cells[2]
-            first, last = pointer[row + az], pointer[row + bz + 1]
-            if n + last - first > near.shape[0]:
+            begin, end = pointer[row + az], pointer[row + bz + 1]
+            if n + end - begin > near.shape[0]:
                 return -1
-            for q in range(first, last):
+            for q in range(begin, end):
                 p = order[q]
                 near[n] = p
                 offset[0, n] = (x[p, 0] - gx) * inverse[0]

@@ -10,39 +10,23 @@ import numpy as np
 
 from matpoint.jit import device, kernel
 from matpoint.kernels.mls import fill_basis, gather, improved_shape, moment_shape
-from matpoint.kernels.vector import fma, lane, load, store, zero
+from matpoint.kernels.points import FIELDS
+from matpoint.kernels.vector import fma, lane, load, scale, store, with_momentum, zero
 
 ROOM = 8192  # particles in the cells around one point
 STRIDE = ROOM + 8  # so that columns do not begin in the same lines of a cache
-FIELDS = 16  # numbers that a particle hands to the points: two lines
 HEAVY = 64  # a fit at one point is as much work as so many transfers of a particle
 MODES = {"imls": 0, "mls": 1, "raw-mls": 2}
 
 
-@kernel
-def fill_cells(x, volume, origin, inverse, cells, filled):
-    """How much of each cell is filled [-]: particles' volumes spread by hats around the cells' centres.
+@device
+def workspace(long, short):
+    """The arrays of one fit, in two that the thread keeps: of shape (columns + 6, STRIDE), (columns + 2, columns).
 
-    What would go beyond the grid stays in the last cell, as if the wall were a mirror.
+    They are neighbours, weights, shape functions, offsets and monomials; values, norms and moments.
     """
-    for c in range(filled.shape[0]):
-        filled[c] = 0.0
-    for p in range(x.shape[0]):
-        share = volume[p]
-        for a in range(3):
-            if inverse[a] > 0.0:
-                share *= inverse[a]
-        r0 = (x[p, 0] - origin[0]) * inverse[0] - 0.5
-        r1 = (x[p, 1] - origin[1]) * inverse[1] - 0.5
-        r2 = (x[p, 2] - origin[2]) * inverse[2] - 0.5
-        i, j, k = int(np.floor(r0)), int(np.floor(r1)), int(np.floor(r2))
-        for corner in range(8):
-            a, b, c = corner // 4, (corner // 2) % 2, corner % 2
-            w = (1.0 - abs(r0 - i - a)) * (1.0 - abs(r1 - j - b)) * (1.0 - abs(r2 - k - c))
-            ia = min(max(i + a, 0), cells[0] - 1)
-            jb = min(max(j + b, 0), cells[1] - 1)
-            kc = min(max(k + c, 0), cells[2] - 1)
-            filled[(ia * cells[1] + jb) * cells[2] + kc] += w * share
+    near, weight, shape = long[0, :ROOM].view(np.int64), long[1], long[2]
+    return near, weight, shape, long[3:6], long[6:], short[0], short[1], short[2:]
 
 
 @device
@@ -56,7 +40,7 @@ def _monomials_at(gx, gy, gz, columns, parent, axis, inverse, value):
 
 @device
 def shape_at(
-    gx, gy, gz, mode, counts, parent, axis, tolerance, limit, origin, inverse, cells, support, smooth,
+    gx, gy, gz, mode, counts, parent, axis, tolerance, limit, origin, inverse, first, cells, support, smooth,
     x, order, pointer, near, weight, offset, basis, value, norm, moment, shape,
 ):  # fmt: skip
     """Shape functions of the particles around a point; return (neighbours, rank, condition number).
@@ -64,7 +48,9 @@ def shape_at(
     ``counts[d]`` is the number of monomials of degree <= d. MLS lowers the degree until the condition
     number is below ``limit``; the rank is then that of the degree kept.
     """
-    n = gather(gx, gy, gz, origin, inverse, cells, support, smooth, x, order, pointer, near, weight, offset)
+    n = gather(
+        gx, gy, gz, origin, inverse, first, cells, support, smooth, x, order, pointer, near, weight, offset
+    )  # fmt: skip
     if n <= 0:
         return n, 0, np.inf
     top = counts.shape[0] - 1
@@ -76,7 +62,7 @@ def shape_at(
             offset[0, j] += gx * inverse[0]
             offset[1, j] += gy * inverse[1]
             offset[2, j] += gz * inverse[2]
-    first = 0.0
+    highest = 0.0
     for degree in range(top, -1, -1):
         fill_basis(n, counts[degree], parent, axis, offset, basis)
         for k in range(counts[degree]):
@@ -85,91 +71,90 @@ def shape_at(
             _monomials_at(gx, gy, gz, counts[degree], parent, axis, inverse, value)
         condition = moment_shape(n, counts[degree], weight, basis, value, moment, shape)
         if degree == top:
-            first = condition
+            highest = condition
         if condition < limit or degree == 0:
-            return n, counts[degree], first
-    return n, 0, first
+            return n, counts[degree], highest
+    return n, 0, highest
 
 
 @kernel
 def fields_at_points(
-    start, stop, place, mode, counts, parent, axis, tolerance, limit, origin, inverse, cells, support,
-    x, order, pointer, fields, values, ranks, conditions,
+    start, stop, place, mode, counts, parent, axis, tolerance, limit, origin, inverse, first, cells, support,
+    x, order, pointer, fields, values, ranks, conditions, long, short,
 ):  # fmt: skip
     """values[g] = sum_p phi_g(x_p) fields[p] at the points ``place`` (g, 3) [m] (T 24-26).
 
-    ``fields`` and ``values`` are flat, ``FIELDS`` numbers each. Where the density, the first, comes out
+    ``fields`` and ``values`` are flat, see ``kernels.points``. Where the density, the first, comes out
     negative (few particles beside a free surface) the weighted mean is taken instead. Return the first point
     with more than ``ROOM`` particles around, or -1.
     """
-    columns = counts[counts.shape[0] - 1]
-    near, weight, shape = np.empty(ROOM, np.int64), np.empty(ROOM), np.empty(ROOM)
-    offset, basis = np.empty((3, STRIDE)), np.empty((columns, STRIDE))
-    value, norm, moment = np.empty(columns), np.empty(columns), np.empty((columns, columns))
+    near, weight, shape, offset, basis, value, norm, moment = workspace(long, short)
     for g in range(start, stop):
         n, rank, condition = shape_at(
             place[g, 0], place[g, 1], place[g, 2], mode, counts, parent, axis, tolerance, limit, origin,
-            inverse, cells, support, True, x, order, pointer, near, weight, offset, basis, value, norm,
+            inverse, first, cells, support, True, x, order, pointer, near, weight, offset, basis, value, norm,
             moment, shape,
         )  # fmt: skip
         if n < 0:
             return g
         ranks[g], conditions[g] = rank, condition
-        first, second = _sum_fields(n, near, shape, fields)
-        if n > 0 and not lane(first, 0) > 0.0:
+        scalars, vectors = _sum_fields(n, near, shape, fields)
+        if n > 0 and not lane(scalars, 0) > 0.0:
             total = 0.0
             for j in range(n):
                 total += weight[j]
             for j in range(n):
                 shape[j] = weight[j] / total
-            first, second = _sum_fields(n, near, shape, fields)
-        store(values, FIELDS * g, first)
-        store(values, FIELDS * g + 8, second)
+            scalars, vectors = _sum_fields(n, near, shape, fields)
+        store(values, FIELDS * g, scalars)
+        store(values, FIELDS * g + 8, vectors)
     return -1
 
 
 @device
 def _sum_fields(n, near, shape, fields):
-    first, second = zero(), zero()
+    scalars, vectors = zero(), zero()
     for j in range(n):
         at = FIELDS * near[j]
-        first = fma(shape[j], load(fields, at), first)
-        second = fma(shape[j], load(fields, at + 8), second)
-    return first, second
+        scalars = fma(shape[j], load(fields, at), scalars)
+        vectors = fma(shape[j], load(fields, at + 8), vectors)
+    return scalars, vectors
 
 
 @kernel
 def velocities_at_nodes(
-    start, stop, nodes, place, mode, counts, parent, axis, tolerance, limit, origin, inverse, cells, support,
-    x, v, order, pointer, ranks, conditions,
+    start, stop, ny, nz, low, high, nodes, node_x, node_y, node_z, mode, counts, parent, axis, tolerance,
+    limit, origin, inverse, first, cells, support, x, order, pointer, fields, ranks, conditions, long,
+    short,
 ):  # fmt: skip
     """v_i = sum_p phi_i(x_p) v_p with the hat as weight (T 31); written as momentum m_i v_i.
 
-    ``place`` (nodes, 3) [m]. A node with mass that sees no particle takes a wider hat. Return the first
-    node with more than ``ROOM`` neighbours, or -1.
+    Of nodes start:stop of the active ones, a block from ``low`` to ``high``; ``ranks`` and ``conditions`` are
+    theirs. ``node_x`` and its like are the coordinates [m] along each axis. A node with mass that sees no
+    particle takes a wider hat. Return the first node with more than ``ROOM`` neighbours, or -1.
     """
     columns = counts[counts.shape[0] - 1]
-    near, weight, shape = np.empty(ROOM, np.int64), np.empty(ROOM), np.empty(ROOM)
-    offset, basis = np.empty((3, STRIDE)), np.empty((columns, STRIDE))
-    value, norm, moment = np.empty(columns), np.empty(columns), np.empty((columns, columns))
-    for i in range(start, stop):
-        ranks[i], conditions[i] = columns, 0.0
-        m = nodes[8 * i + 3]
-        nodes[8 * i] = nodes[8 * i + 1] = nodes[8 * i + 2] = 0.0
-        if not m > 0.0:
-            continue
-        n, rank, condition, wide = 0, 0, np.inf, support
-        while n == 0 and wide <= 8.0 * support:
-            n, rank, condition = shape_at(
-                place[i, 0], place[i, 1], place[i, 2], mode, counts, parent, axis, tolerance, limit, origin,
-                inverse, cells, wide, False, x, order, pointer, near, weight, offset, basis, value, norm,
-                moment, shape,
-            )  # fmt: skip
-            wide *= 2.0
-        if n < 0:
-            return i
-        ranks[i], conditions[i] = rank, condition
-        for j in range(n):
-            for a in range(3):
-                nodes[8 * i + a] += m * shape[j] * v[near[j], a]
+    near, weight, shape, offset, basis, value, norm, moment = workspace(long, short)
+    wide_y, wide_z = high[1] - low[1], high[2] - low[2]
+    for r in range(start, stop):
+        i, j, k = low[0] + r // (wide_y * wide_z), low[1] + (r // wide_z) % wide_y, low[2] + r % wide_z
+        at = ((i * ny + j) * nz + k) * 8
+        ranks[r], conditions[r] = columns, 0.0
+        record, velocity = load(nodes, at), zero()
+        m = lane(record, 3)
+        if m > 0.0:
+            n, rank, condition, wide = 0, 0, np.inf, support
+            while n == 0 and wide <= 8.0 * support:
+                n, rank, condition = shape_at(
+                    node_x[i], node_y[j], node_z[k], mode, counts, parent, axis, tolerance, limit, origin,
+                    inverse, first, cells, wide, False, x, order, pointer, near, weight, offset, basis, value,
+                    norm, moment, shape,
+                )  # fmt: skip
+                wide *= 2.0
+            if n < 0:
+                return r
+            ranks[r], conditions[r] = rank, condition
+            for q in range(n):
+                velocity = fma(shape[q], load(fields, FIELDS * near[q] + 8), velocity)
+        store(nodes, at, with_momentum(scale(m, velocity), record))
     return -1

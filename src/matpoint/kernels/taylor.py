@@ -32,31 +32,34 @@ def _fit(
 
 
 @kernel
-def sum_in_cells(x, half, mass, volume, fields, slot, origin, inverse, cells, totals, covered):
+def sum_in_cells(
+    x, half, mass, volume, fields, slot, origin, inverse, first, cells, totals, covered
+):  # fmt: skip
     """Add up what cells hold: mass, volume, and each field by mass or, the stress, by volume.
 
     A particle counts for a cell with the share of its box, of half-lengths ``half`` [m], that lies there;
-    with none, (1, 3) of zeros, for that of its centre. ``slot`` is the row of ``totals`` of each cell, or -1;
+    with none, (1, 3) of zeros, for that of its centre. Cells are those of a block of ``cells`` from ``first``
+    of the grid; ``slot`` is the row of ``totals`` of each cell, or -1;
     ``covered`` (n,) is the share of each particle that went to such cells.
     """
-    first, last = np.empty(3, np.int64), np.empty(3, np.int64)
+    least, most = np.empty(3, np.int64), np.empty(3, np.int64)
     for p in range(x.shape[0]):
         h = p if half.shape[0] > 1 else 0
         for a in range(3):
             low, high = x[p, a] - half[h, a] - origin[a], x[p, a] + half[h, a] - origin[a]
-            first[a] = min(max(int(np.floor(low * inverse[a])), 0), cells[a] - 1)
-            last[a] = min(max(int(np.floor(high * inverse[a])), 0), cells[a] - 1)
+            least[a] = min(max(int(np.floor(low * inverse[a])) - first[a], 0), cells[a] - 1)
+            most[a] = min(max(int(np.floor(high * inverse[a])) - first[a], 0), cells[a] - 1)
         covered[p] = 0.0
-        for i in range(first[0], last[0] + 1):
-            for j in range(first[1], last[1] + 1):
-                for k in range(first[2], last[2] + 1):
+        for i in range(least[0], most[0] + 1):
+            for j in range(least[1], most[1] + 1):
+                for k in range(least[2], most[2] + 1):
                     q = slot[(i * cells[1] + j) * cells[2] + k]
                     if q < 0:
                         continue
                     share = 1.0
                     for a in range(3):
                         if half[h, a] > 0.0 and inverse[a] > 0.0:
-                            n = i if a == 0 else (j if a == 1 else k)
+                            n = first[a] + (i if a == 0 else (j if a == 1 else k))
                             low = max(x[p, a] - half[h, a], origin[a] + n / inverse[a])
                             high = min(x[p, a] + half[h, a], origin[a] + (n + 1) / inverse[a])
                             share *= max(0.0, high - low) / (2.0 * half[h, a])
@@ -96,8 +99,8 @@ def _keep_means(totals, shares, volume_of_cell, keep_stress, values):
 
 @kernel
 def fields_in_cells(
-    start, stop, chosen, unit, shares, columns, parent, axis, tolerance, keep_stress, origin, inverse, size,
-    cells, x, order, pointer, fields, totals, values, ranks,
+    start, stop, chosen, unit, shares, columns, parent, axis, tolerance, keep_stress, origin, inverse, first,
+    cells, size, x, order, pointer, fields, totals, values, ranks,
 ):  # fmt: skip
     """Fields at the Gauss points of cells chosen[start:stop], with the cells' means kept.
 
@@ -120,9 +123,9 @@ def fields_in_cells(
         i, j, k = c // (cells[1] * cells[2]), (c // cells[2]) % cells[1], c % cells[2]
         for r in range(n):
             p = near[r]
-            offset[0, r] = (x[p, 0] - origin[0]) * inverse[0] - i - 0.5
-            offset[1, r] = (x[p, 1] - origin[1]) * inverse[1] - j - 0.5
-            offset[2, r] = (x[p, 2] - origin[2]) * inverse[2] - k - 0.5
+            offset[0, r] = (x[p, 0] - origin[0]) * inverse[0] - (first[0] + i) - 0.5
+            offset[1, r] = (x[p, 1] - origin[1]) * inverse[1] - (first[1] + j) - 0.5
+            offset[2, r] = (x[p, 2] - origin[2]) * inverse[2] - (first[2] + k) - 0.5
         for g in range(points):
             for a in range(3):
                 at[a] = unit[g, a] - 0.5

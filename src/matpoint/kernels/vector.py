@@ -9,6 +9,7 @@ Only this module knows LLVM. Everything else calls the functions below.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -166,6 +167,16 @@ def lower(typingctx: Any, a: Any, b: Any) -> Any:
     return lanes(lanes, lanes), generate
 
 
+@intrinsic
+def with_momentum(typingctx: Any, momentum: Any, record: Any) -> Any:
+    """Lanes 0 to 2 of the first, the others of the second."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _shuffle(builder, args[0], args[1], [0, 1, 2, *range(LANES + 3, 2 * LANES)])
+
+    return lanes(lanes, lanes), generate
+
+
 def _reordered(order: Sequence[int]) -> Callable[..., Any]:
     """Make an intrinsic that puts lanes in a fixed order."""
 
@@ -243,8 +254,12 @@ def zero(typingctx: Any) -> Any:
     return lanes(), generate
 
 
+def lines(raw: np.ndarray, *shape: int) -> np.ndarray:
+    """Return an array of that shape in ``raw``, float64, that begins where a 64-byte line does."""
+    shift = (-(raw.ctypes.data // 8)) % LANES
+    return raw[shift : shift + math.prod(shape)].reshape(shape)
+
+
 def records(count: int) -> np.ndarray:
     """Return ``count`` zeroed records, shape (count, 8), each on a 64-byte line of its own."""
-    raw = np.zeros(count * LANES + LANES - 1)
-    shift = (-(raw.ctypes.data // 8)) % LANES
-    return raw[shift : shift + count * LANES].reshape(count, LANES)
+    return lines(np.zeros(count * LANES + LANES - 1), count, LANES)
