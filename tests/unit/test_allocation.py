@@ -57,7 +57,7 @@ def test_neither_does_a_series(method, scheme):
 
 
 @pytest.mark.parametrize("shape", [SQUARE, DISC], ids=["whole cells", "cut cells"])
-@pytest.mark.parametrize("method", ["imls", "mls", "spline-imls"])
+@pytest.mark.parametrize("method", ["imls", "mls", "spline-imls", "tls"])
 def test_neither_does_a_reconstruction(method, shape):
     peak, particles = _peak(2, METHODS[method], mp.USL(), shape, 32, 4)
     assert particles > 12000

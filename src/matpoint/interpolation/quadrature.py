@@ -44,15 +44,15 @@ class Solver:
 class PointSlabs(Slabs):
     """Slabs of points whose number changes."""
 
+    def __init__(self, nodes: Nodes, team: Team) -> None:
+        super().__init__(nodes, team, 0)
+        self._keys, self._orders = self._key, self.order
+
     def resize(self, count: int) -> None:
         """Make room for another number of points."""
         self._count = count
         self._keys, self._orders = room(self._keys, count), room(self._orders, count)
         self._key, self.order = self._keys[:count], self._orders[:count]
-
-    def __init__(self, nodes: Nodes, team: Team) -> None:
-        super().__init__(nodes, team, 0)
-        self._keys, self._orders = self._key, self.order
 
 
 class Quadrature:

@@ -11,13 +11,14 @@ from matpoint.checks import instance, positive, whole
 from matpoint.errors import InputError
 from matpoint.interpolation.box import BoxInterpolation
 from matpoint.interpolation.bspline import BSpline
+from matpoint.interpolation.cells import room
 from matpoint.interpolation.contract import Interpolation, Mapping, Setting
 from matpoint.interpolation.linear import Linear
-from matpoint.interpolation.quadrature import Quadrature, Solver, refuse_crowds
+from matpoint.interpolation.quadrature import Quadrature, Solver, refuse_crowds, workspace
 from matpoint.interpolation.reconstructed import ReconstructedMapping
 from matpoint.interpolation.reconstruction import monomials
+from matpoint.kernels import taylor as kernels
 from matpoint.kernels.reconstruct import HEAVY, MODES
-from matpoint.kernels.taylor import fields_in_cells, sum_in_cells
 from matpoint.particles import Particles
 
 _HATS = Linear()
@@ -39,42 +40,62 @@ class TaylorQuadrature(Quadrature):
     surrounded = False  # a fit takes the cell's own particles
     keep_stress = True
     half = np.zeros((1, 3))
+    # Grown as needed, each quadrature's own from then on.
+    _fields, _totals, _fitted = np.zeros((0, 13)), np.zeros((0, 14)), np.zeros((0, 13))
+    _covered, _slot, _numbers, _rest = np.zeros(0), *np.zeros((3, 0), dtype=np.int64)
 
     def evaluate(self, particles: Particles, body: np.ndarray) -> None:
-        p, c = particles, self._list
-        own = np.broadcast_to(body, (len(p), 3))
-        fields = np.concatenate([(p.mass / p.volume)[:, None], p.stress, own, p.velocity], axis=1)
+        p, c, team = particles, self._list, self._team
         chosen, (counts, parent, axis) = self._whole, self._monomials
-        values = np.empty((len(chosen) * len(self._unit), fields.shape[1]))
-        slot = np.full(len(c.filled), -1)
-        slot[chosen] = np.arange(len(chosen))
-        totals, covered = np.zeros((len(chosen), 14)), np.empty(len(p))
-        sum_in_cells(
-            p.position, self.half, p.mass, p.volume, fields, slot, *c.arguments, totals, covered
-        )  # fmt: skip
-        found = self._team.split(
+        self._make_room(len(p), len(chosen))
+        fields, slot, totals = self._fields, self._slot[: len(c.filled)], self._totals[: len(chosen)]
+        team.split(
+            len(p),
+            lambda a, b: kernels.gather_fields(a, b, p.mass, p.volume, p.stress, body, p.velocity, fields),
+        )
+        slot.fill(-1)
+        slot[chosen] = self._numbers[: len(chosen)]
+        totals.fill(0.0)
+        kernels.sum_in_cells(
+            p.position, self.half, p.mass, p.volume, fields, slot, *c.arguments, totals, self._covered
+        )
+        found = team.split(
             len(chosen),
-            lambda a, b: fields_in_cells(
+            lambda a, b: kernels.fields_in_cells(
                 a, b, chosen, self._unit, self._shares, counts[-1], parent, axis, self._solver.tolerance,
                 self.keep_stress, *c.arguments, c.size, p.position, c.order, c.pointer,
-                fields, totals, values, self.ranks,
+                fields, totals, self._fitted, self.ranks, *workspace(team, self._monomials),
             ),
             HEAVY,
         )  # fmt: skip
         refuse_crowds(found, c)
-        self._add_points(particles, values, own, 1.0 - covered)
+        self._add_points(particles)
 
-    def _add_points(self, p: Particles, values: np.ndarray, own: np.ndarray, rest: np.ndarray) -> None:
+    def _make_room(self, particles: int, cells: int) -> None:
+        """Let the arrays serve so many particles and whole cells."""
+        self._fields, self._covered = room(self._fields, particles), room(self._covered, particles)
+        self._slot, self._totals = room(self._slot, len(self._list.filled)), room(self._totals, cells)
+        self._fitted = room(self._fitted, cells * len(self._unit))
+        if len(self._numbers) < cells:
+            self._numbers = np.arange(len(self._totals))
+
+    def _add_points(self, p: Particles) -> None:
         """Put Gauss points and particles together; these carry what went to no cell."""
-        k, g = np.flatnonzero(rest > _SLIVER), len(values)
-        self._resize(g, g + len(k))
-        self.position[g:] = p.position[k]
+        covered, gauss = self._covered[: len(p)], len(self._whole) * len(self._unit)
+        count = kernels.list_rest(covered, _SLIVER, self._rest[:0])
+        self._rest = room(self._rest, count)
+        kernels.list_rest(covered, _SLIVER, self._rest)
+        self._resize(gauss, gauss + count)
+        carried = (self.mass, self.volume, self.stress, self.body, self.velocity)
+        self._team.split(gauss, lambda a, b: kernels.carry_cells(a, b, self._fitted, self._shares, *carried))
+        self._team.split(
+            count,
+            lambda a, b: kernels.carry_rest(
+                a, b, self._rest, gauss, covered, p.position, p.mass, p.volume, self._fields, self.position,
+                *carried,
+            ),
+        )  # fmt: skip
         self._sort()
-        self.volume[:g], self.volume[g:] = np.tile(self._shares, len(self._whole)), rest[k] * p.volume[k]
-        self.mass[:g], self.mass[g:] = values[:, 0] * self.volume[:g], rest[k] * p.mass[k]
-        self.stress[:g], self.stress[g:] = values[:, 1:7], p.stress[k]
-        self.body[:g], self.body[g:] = values[:, 7:10], own[k]
-        self.velocity[:g], self.velocity[g:] = values[:, 10:], p.velocity[k]
 
 
 class TaylorMapping(ReconstructedMapping):
@@ -96,8 +117,9 @@ class TaylorMapping(ReconstructedMapping):
 
     def before(self) -> None:
         if self.boxes is not None:
-            F = self.particles.deformation_gradient
-            self.quadrature.half = self.boxes * np.abs(np.einsum("pkk->pk", F))
+            F, q, boxes = self.particles.deformation_gradient, self.quadrature, self.boxes
+            q.half = room(q.half, len(F))
+            self.team.split(len(F), lambda a, b: kernels.boxes_along(a, b, boxes, F, q.half))
         super().before()
 
     def permute(self, order: np.ndarray) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import sqrt
 
 from matpoint.jit import kernel, summing_kernel
-from matpoint.kernels.rows import row
-from matpoint.kernels.vector import fma, load, pack, plus, scale, store, zero
+from matpoint.kernels.point import spread
+from matpoint.kernels.vector import load, pack, plus, store, zero
 
 
 @kernel
@@ -41,20 +41,10 @@ def averages_to_nodes(
     for q in range(start, stop):
         for r in range(pointer[slabs[q]], pointer[slabs[q] + 1]):
             p = order[r]
-            bx, wx, _ = row(ax, x[p, 0], 0.0)
-            by, wy, _ = row(ay, x[p, 1], 0.0)
-            bz, wz, _ = row(az, x[p, 2], 0.0)
             m = mass[p]
             cut = m if whole[cell[p]] == 0 else 0.0
             content = pack(m * v[p, 0], m * v[p, 1], m * v[p, 2], m, cut, 0.0, 0.0, 0.0)
-            for i in range(len(wx)):
-                plane = scale(wx[i], content)
-                for j in range(len(wy)):
-                    line = scale(wy[j], plane)
-                    n = (((bx + i) * ny + by + j) * nz + bz) * 8
-                    for k in range(len(wz)):
-                        store(nodes, n, fma(wz[k], line, load(nodes, n)))
-                        n += 8
+            spread(ax, ay, az, ny, nz, nodes, x, p, content)
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from matpoint.jit import device, kernel
 from matpoint.kernels.mls import fill_basis, orthogonal_shape
-from matpoint.kernels.reconstruct import ROOM
+from matpoint.kernels.reconstruct import ROOM, workspace
 
 
 @device
@@ -29,6 +29,82 @@ def _fit(
             total += shape[j] * fields[near[j], f]
         out[f] = total
     return rank
+
+
+@kernel
+def gather_fields(start, stop, mass, volume, stress, body, v, fields):
+    """What particles start:stop hand over, a row of ``fields`` (n, 13) each."""
+    for p in range(start, stop):
+        b = p if body.shape[0] > 1 else 0
+        fields[p, 0] = mass[p] / volume[p]
+        for a in range(6):
+            fields[p, 1 + a] = stress[p, a]
+        for a in range(3):
+            fields[p, 7 + a], fields[p, 10 + a] = body[b, a], v[p, a]
+
+
+@kernel
+def list_rest(covered, sliver, rest):
+    """List the particles of which more than the share ``sliver`` went to no cell; return how many.
+
+    An empty ``rest`` is left as it is: they are counted only.
+    """
+    n = 0
+    for p in range(covered.shape[0]):
+        if 1.0 - covered[p] > sliver:
+            if rest.shape[0] > 0:
+                rest[n] = p
+            n += 1
+    return n
+
+
+@kernel
+def carry_cells(start, stop, values, shares, mass, volume, stress, body, v):
+    """What Gauss points start:stop stand for, from the fields there; ``shares`` [m^3] are those of a cell."""
+    for g in range(start, stop):
+        volume[g] = shares[g % shares.shape[0]]
+        mass[g] = values[g, 0] * volume[g]
+        for a in range(6):
+            stress[g, a] = values[g, 1 + a]
+        for a in range(3):
+            body[g, a], v[g, a] = values[g, 7 + a], values[g, 10 + a]
+
+
+@kernel
+def carry_rest(
+    start,
+    stop,
+    rest,
+    first,
+    covered,
+    x,
+    own_mass,
+    own_volume,
+    fields,
+    position,
+    mass,
+    volume,
+    stress,
+    body,
+    v,
+):
+    """What went to no cell of particles rest[start:stop] stands for itself, as points from ``first`` on."""
+    for r in range(start, stop):
+        p, q = rest[r], first + r
+        share = 1.0 - covered[p]
+        mass[q], volume[q] = share * own_mass[p], share * own_volume[p]
+        for a in range(6):
+            stress[q, a] = fields[p, 1 + a]
+        for a in range(3):
+            position[q, a], body[q, a], v[q, a] = x[p, a], fields[p, 7 + a], fields[p, 10 + a]
+
+
+@kernel
+def boxes_along(start, stop, half0, F, half):
+    """Half-lengths l_k0 |F_kk| [m] of the boxes of particles start:stop."""
+    for p in range(start, stop):
+        for k in range(3):
+            half[p, k] = half0[p, k] * abs(F[p, k, k])
 
 
 @kernel
@@ -100,7 +176,7 @@ def _keep_means(totals, shares, volume_of_cell, keep_stress, values):
 @kernel
 def fields_in_cells(
     start, stop, chosen, unit, shares, columns, parent, axis, tolerance, keep_stress, origin, inverse, first,
-    cells, size, x, order, pointer, fields, totals, values, ranks,
+    cells, size, x, order, pointer, fields, totals, values, ranks, long, short,
 ):  # fmt: skip
     """Fields at the Gauss points of cells chosen[start:stop], with the cells' means kept.
 
@@ -110,9 +186,8 @@ def fields_in_cells(
     ``ROOM`` particles, or -1.
     """
     points, width = unit.shape[0], fields.shape[1]
-    weight, shape = np.ones(ROOM), np.empty(ROOM)
-    offset, basis = np.empty((3, ROOM)), np.empty((columns, ROOM))
-    value, norm, at = np.empty(columns), np.empty(columns), np.empty(3)
+    _, weight, shape, offset, basis, value, norm, _ = workspace(long, short)
+    at = np.empty(3)
     volume_of_cell = size[0] * size[1] * size[2]
     for q in range(start, stop):
         c = chosen[q]
@@ -123,6 +198,7 @@ def fields_in_cells(
         i, j, k = c // (cells[1] * cells[2]), (c // cells[2]) % cells[1], c % cells[2]
         for r in range(n):
             p = near[r]
+            weight[r] = 1.0
             offset[0, r] = (x[p, 0] - origin[0]) * inverse[0] - (first[0] + i) - 0.5
             offset[1, r] = (x[p, 1] - origin[1]) * inverse[1] - (first[1] + j) - 0.5
             offset[2, r] = (x[p, 2] - origin[2]) * inverse[2] - (first[2] + k) - 0.5
