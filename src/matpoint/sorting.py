@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,18 +30,42 @@ def box_of(
     return min(lost, default=-1), low.min(axis=0), high.max(axis=0)
 
 
-def _sort(
-    team: Team, keys: int, find: _Keys, points: np.ndarray, key: np.ndarray, order: np.ndarray
-) -> np.ndarray:
-    """Put points in the stable order of their keys; return where each key's begin, and the end."""
-    pieces = team.pieces(len(order), min(team.threads, _MOST_PIECES))
-    counts = np.empty((len(pieces), keys), dtype=np.int64)
-    team.map(lambda k, a, b: find(a, b, counts[k]), pieces)
-    pointer = np.zeros(keys + 1, dtype=np.int64)
-    np.cumsum(counts.sum(axis=0), out=pointer[1:])
-    offset = pointer[:-1] + np.cumsum(counts, axis=0) - counts
-    team.map(lambda k, a, b: place_by_key(key, points, a, b, offset[k], order), pieces)
-    return pointer
+class _Counting:
+    """A counting sort in pieces: ``count`` them all, then ``place`` the points."""
+
+    def __init__(self, team: Team, points: np.ndarray, key: np.ndarray) -> None:
+        self._team, self._points, self._key = team, points, key
+        # No more than threads: they are over before one could help another out.
+        self.pieces = team.pieces(len(key), min(team.threads, _MOST_PIECES))
+
+    def count(self, keys: int, find: _Keys) -> None:
+        """Find keys, of which there are so many, and count them."""
+        self.begin(keys)
+        self._team.map(lambda k, a, b: find(a, b, self.counts[k]), self.pieces)
+
+    def begin(self, keys: int) -> None:
+        """Make room for the counts of each piece."""
+        self.counts = np.empty((len(self.pieces), keys), dtype=np.int64)
+
+    def place(self, order: np.ndarray) -> np.ndarray:
+        """Put points in the stable order of their keys; return where each key's begin, and the end."""
+        keys = self.counts.shape[1]
+        pointer = np.zeros(keys + 1, dtype=np.int64)
+        np.cumsum(self.counts.sum(axis=0), out=pointer[1:])
+        offset = pointer[:-1] + np.cumsum(self.counts, axis=0) - self.counts
+        self._team.map(
+            lambda k, a, b: place_by_key(self._key, self._points, a, b, offset[k], order), self.pieces
+        )
+        return pointer
+
+
+class _Layout(NamedTuple):
+    """Slabs across an axis: ``slabs`` of them, ``width`` cells thick, from cell ``first`` on."""
+
+    axis: int
+    first: int
+    width: int
+    slabs: int
 
 
 class Slabs:
@@ -63,24 +88,59 @@ class Slabs:
         self._key = np.zeros(self._count, dtype=np.int32)
         self.order = np.zeros(self._count, dtype=np.int32)
         self.pointer = np.zeros(2, dtype=np.int64)
+        self._layout: _Layout | None = None  # of the last time
+        self._counted: tuple[_Layout, _Counting] | None = None
+
+    def survey(
+        self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    ) -> tuple[int, np.ndarray, np.ndarray]:
+        """As :func:`box_of`, for all points that :meth:`renew` is about to sort.
+
+        While they are in the processor's cache they are put into the slabs of the last time. As long as these
+        serve, to renew them is half done.
+        """
+        layout = self._layout
+        if layout is None or self._points is not EVERY_POINT:
+            return box_of(self._team, x, lower, upper)
+        sort = _Counting(self._team, self._points, self._key)
+        sort.begin(layout.slabs)
+        keys = self._keys(x, layout)
+        boxes = np.empty((2, len(sort.pieces), 3))
+
+        def piece(k: int, a: int, b: int) -> int:
+            lost = survey(x, a, b, lower, upper, boxes[0, k], boxes[1, k])
+            if lost < 0:
+                keys(a, b, sort.counts[k])
+            return lost
+
+        found = [p for p in self._team.map(piece, sort.pieces) if p >= 0]
+        self._counted = None if found else (layout, sort)
+        return min(found, default=-1), boxes[0].min(axis=0), boxes[1].max(axis=0)
 
     def renew(self, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
         """Sort the points again, where they are now [m], (n, 3), within a box."""
-        n = self._nodes
+        n, counted = self._nodes, self._counted
+        self._counted = None
         ends = [(a // w, b // w) for (a, b), w in zip(n.cells_of(low, high), n.slabs, strict=True)]
         axis = max(range(3), key=lambda k: ends[k][1] - ends[k][0])
-        first, width, row = ends[axis][0], n.slabs[axis], n.rows[axis]
-        count = ends[axis][1] - first + 1
-        slab_of = np.repeat(np.arange(count, dtype=np.int32), width)
+        (first, last), width = ends[axis], n.slabs[axis]
+        layout = self._layout = _Layout(axis, first * width, width, last - first + 1)
+        if counted is None or counted[0] != layout:
+            sort = _Counting(self._team, self._points, self._key)
+            sort.count(layout.slabs, self._keys(x, layout))
+        else:
+            sort = counted[1]
+        self.pointer = sort.place(self.order)
+
+    def _keys(self, x: np.ndarray, layout: _Layout) -> _Keys:
+        """Return what finds and counts the slabs of points."""
+        axis, first, width, slabs = layout
+        row, slab_of = self._nodes.rows[axis], np.repeat(np.arange(slabs, dtype=np.int32), width)
         # Cells are counted from where the row counts them: rounding must not put a point elsewhere.
         origin, inverse = getattr(row, "origin", 0.0), getattr(row, "inverse", 0.0)
-        self.pointer = _sort(
-            self._team, count,
-            lambda a, b, counts: slab_keys(
-                x, self._points, a, b, axis, origin, inverse, first * width, slab_of, self._key, counts
-            ),
-            self._points, self._key, self.order,
-        )  # fmt: skip
+        return lambda a, b, counts: slab_keys(
+            x, self._points, a, b, axis, origin, inverse, first, slab_of, self._key, counts
+        )
 
 
 def sort_by_cell(
@@ -104,14 +164,12 @@ def sort_by_cell(
     key, order
         Written: the cell of each point within the block, and the points in order, int32 (n,).
     """
-    return _sort(
-        team,
+    sort = _Counting(team, EVERY_POINT, key)
+    sort.count(
         int(cells.prod()),
         lambda a, b, counts: cell_keys(x, a, b, origin, inverse, first, cells, key, counts),
-        EVERY_POINT,
-        key,
-        order,
     )
+    return sort.place(order)
 
 
 def cell_order(team: Team, grid: Grid, x: np.ndarray) -> np.ndarray | None:

@@ -401,6 +401,29 @@ def test_slabs_are_a_stable_sort_across_the_axis_that_the_points_fill(threads):
     team.close()
 
 
+@pytest.mark.parametrize("threads", [1, 3])
+def test_a_survey_on_the_way_to_slabs_changes_nothing_but_the_time(threads):
+    rng = np.random.default_rng(10)
+    field, team = Nodes([hat_axis(GRID, k, 0, 0) for k in range(3)]), Team(threads)
+    lower, upper = np.array(GRID.lower), np.array(GRID.upper)
+    x = rng.uniform(lower + 0.01, lower + 0.4 * (upper - lower), (20000, 3))
+    slabs = Slabs(field, team, len(x))
+    # Across one cell border, across none, into a block that is longest along another axis, and out.
+    for way in ((0.3, 0.0, 0.0), (1e-4, 0.0, 0.0), (0.0, 0.0, 0.5), (0.0, 0.0, 0.0)):
+        x = np.minimum(x + np.array(way) * (upper - lower), upper)
+        lost, low, high = slabs.survey(x, lower, upper)
+        assert lost == -1
+        np.testing.assert_array_equal([low, high], [x.min(0), x.max(0)])
+        slabs.renew(x, low, high)
+        fresh = Slabs(field, team, len(x))
+        fresh.renew(x, low, high)
+        np.testing.assert_array_equal(slabs.order, fresh.order)
+        np.testing.assert_array_equal(slabs.pointer, fresh.pointer)
+    x[[7000, 19000]] += 10.0
+    assert slabs.survey(x, lower, upper)[0] == 7000
+    team.close()
+
+
 @pytest.mark.parametrize("reach", [3, 5, 8])
 def test_slabs_of_averaged_hats_are_as_thick_as_what_boxes_of_any_size_write_to(reach):
     rng = np.random.default_rng(9)

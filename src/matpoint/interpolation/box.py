@@ -12,7 +12,7 @@ from matpoint.grid import Grid
 from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting, Take
 from matpoint.kernels import box as kernels
 from matpoint.nodes import Axis, Nodes
-from matpoint.sorting import Slabs, box_of
+from matpoint.sorting import Slabs
 from matpoint.threads import Team
 
 LEFT = "it left the grid; make the grid's box larger, or look for an instability (dt, loads, units)"
@@ -68,7 +68,7 @@ class BoxMapping(Mapping):
 
     def before(self) -> None:
         x = self.particles.position
-        lost, low, high = box_of(self.team, x, *self.bounds)
+        lost, low, high = self._slabs.survey(x, *self.bounds)
         if lost >= 0:
             raise ParticleError(lost, LEFT)
         self.activate(low, high)

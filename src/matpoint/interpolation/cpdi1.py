@@ -51,7 +51,7 @@ class ParallelepipedMapping(Mapping):
 
     def before(self) -> None:
         x = self.particles.position
-        lost, low, high = box_of(self.team, x, *self._bounds)
+        lost, low, high = self._slabs.survey(x, *self._bounds)
         if lost >= 0:
             raise ParticleError(lost, LEFT)
         far, (least, most) = self._far, self._corner_bounds

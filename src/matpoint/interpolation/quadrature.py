@@ -46,13 +46,13 @@ class PointSlabs(Slabs):
 
     def __init__(self, nodes: Nodes, team: Team) -> None:
         super().__init__(nodes, team, 0)
-        self._keys, self._orders = self._key, self.order
+        self._key_room, self._order_room = self._key, self.order
 
     def resize(self, count: int) -> None:
         """Make room for another number of points."""
         self._count = count
-        self._keys, self._orders = room(self._keys, count), room(self._orders, count)
-        self._key, self.order = self._keys[:count], self._orders[:count]
+        self._key_room, self._order_room = room(self._key_room, count), room(self._order_room, count)
+        self._key, self.order = self._key_room[:count], self._order_room[:count]
 
 
 class Quadrature:
@@ -131,7 +131,7 @@ class Quadrature:
         low = np.minimum(low, c.origin + (least + 0.5) * c.size)
         high = np.maximum(high, c.origin + (most + 0.5) * c.size)
         self._box = low, high
-        self._sort()
+        self._sort_points()
         return self._box
 
     def _resize(self, gauss: int, count: int) -> None:
@@ -143,7 +143,7 @@ class Quadrature:
             self._room[name] = room(array, count)
             setattr(self, name, self._room[name][:count])
 
-    def _sort(self) -> None:
+    def _sort_points(self) -> None:
         """Sort the points by slab."""
         self.slabs.resize(len(self.position))
         self.slabs.renew(self.position, *self._box)

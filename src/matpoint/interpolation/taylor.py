@@ -95,7 +95,7 @@ class TaylorQuadrature(Quadrature):
                 *carried,
             ),
         )  # fmt: skip
-        self._sort()
+        self._sort_points()
 
 
 class TaylorMapping(ReconstructedMapping):

@@ -67,7 +67,7 @@ class VertexMapping(Mapping):
         lost, _, _ = box_of(self.team, x, *self.bounds)
         if lost >= 0:
             raise ParticleError(lost, LEFT)
-        lost, low, high = box_of(self.team, corners, *self._corner_bounds)
+        lost, low, high = self._slabs.survey(corners, *self._corner_bounds)
         if lost >= 0:
             raise ParticleError(self.vertices.owner(lost), CORNER_LEFT)
         self.nodes.active_within(low, high)
