@@ -58,9 +58,9 @@ def test_model_names_stages_that_exist_and_every_method_but_the_reconstructions(
 
 
 def test_model_by_hand():
-    # 2 x 24 B to look at the bounds and the slab; slab and order written, slab read
+    # 24 B to look at the bounds and the slab; slab and order written, slab read
     linear = bytes_per_stage("linear", 3)
-    assert linear["locate"] == 2 * 24 + 3 * 4
+    assert linear["locate"] == 24 + 3 * 4
     assert linear["clear"] == 64 / 8
     assert linear["nodes to particles and stress"] == 4 * 24 + 64 / 8 + 4 + 72 + 8 + 72 + 8 + 48
     assert linear["particles to nodes"] == 4 + 24 + 24 + 8 + 8 + 48 + 2 * 64 / 8

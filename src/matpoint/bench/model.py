@@ -20,8 +20,8 @@ _FIELDS: dict[str, float] = {
     "half": 24, "half0": 24, "edges": 72, "edges0": 72, "index": 4, "first": 1,
 }  # fmt: skip
 
-# kernels/locate.py: a look at the bounds, then a counting sort by slab of "index" (slab, order).
-_LOCATE: Traffic = (("position", "position", "index"), ("index", "index"))
+# kernels/locate.py: a look at the bounds on the way to a counting sort by slab of "index" (slab, order).
+_LOCATE: Traffic = (("position", "index"), ("index", "index"))
 _NODES: dict[str, Traffic] = {"clear": ((), ("node",)), "solve": (("node",), ("node",))}
 # kernels/stress.py; velocity gradients stay in cache
 _STRESS: Traffic = (("index", "F", "volume0"), ("F", "volume", "stress"))
@@ -53,7 +53,7 @@ _PARALLELEPIPEDS: dict[str, Traffic] = {
 # kernels/vertex.py: "weights" are R and G of all corners, "first" tells who adds to a record first.
 _TO_VERTICES = ("connectivity", "first", "weights", "velocity", "mass", "volume", "stress")
 _SHARED: dict[str, Traffic] = {
-    "locate": (("position", "corners", "corners", "slab", "slab", "slab"), ("slab", "slab")),
+    "locate": (("corners", "slab"), ("slab", "slab")),
     **_NODES,
     "particles to nodes": (
         (*_TO_VERTICES, "slab", "corners", "records", "node"),

@@ -63,15 +63,20 @@ class VertexMapping(Mapping):
         raise TypeError("a subclass defines how its domains come about")
 
     def before(self) -> None:
-        x, corners = self.particles.position, self.vertices.position
-        lost, _, _ = box_of(self.team, x, *self.bounds)
-        if lost >= 0:
-            raise ParticleError(lost, LEFT)
+        corners, (least, most) = self.vertices.position, self.bounds
         lost, low, high = self._slabs.survey(corners, *self._corner_bounds)
-        if lost >= 0:
-            raise ParticleError(self.vertices.owner(lost), CORNER_LEFT)
+        if lost >= 0 or not ((low >= least) & (high <= most)).all():
+            self._refuse_outside(lost)  # else particles are in the grid with their corners
         self.nodes.active_within(low, high)
         self._slabs.renew(corners, low, high)
+
+    def _refuse_outside(self, corner: int) -> None:
+        """Raise ParticleError for a particle that left the grid, or else for a corner that is too far out."""
+        lost, _, _ = box_of(self.team, self.particles.position, *self.bounds)
+        if lost >= 0:
+            raise ParticleError(lost, LEFT)
+        if corner >= 0:
+            raise ParticleError(self.vertices.owner(corner), CORNER_LEFT)
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:
         p, v, n, s = self.particles, self.vertices, self.nodes, self._slabs
