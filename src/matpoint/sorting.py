@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -30,13 +31,18 @@ def box_of(
     return min(lost, default=-1), low.min(axis=0), high.max(axis=0)
 
 
+def _pieces(team: Team, count: int) -> list[tuple[int, int]]:
+    """Cut a sort into no more pieces than threads: they are over before one could help another out."""
+    return team.pieces(count, min(team.threads, _MOST_PIECES))
+
+
 class _Counting:
     """A counting sort in pieces: ``count`` them all, then ``place`` the points."""
 
-    def __init__(self, team: Team, points: np.ndarray, key: np.ndarray) -> None:
-        self._team, self._points, self._key = team, points, key
-        # No more than threads: they are over before one could help another out.
-        self.pieces = team.pieces(len(key), min(team.threads, _MOST_PIECES))
+    def __init__(
+        self, team: Team, points: np.ndarray, key: np.ndarray, pieces: list[tuple[int, int]]
+    ) -> None:
+        self._team, self._points, self._key, self.pieces = team, points, key, pieces
 
     def count(self, keys: int, find: _Keys) -> None:
         """Find keys, of which there are so many, and count them."""
@@ -94,26 +100,29 @@ class Slabs:
     def survey(
         self, x: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> tuple[int, np.ndarray, np.ndarray]:
-        """As :func:`box_of`, for all points that :meth:`renew` is about to sort.
+        """As :func:`box_of`, before :meth:`renew` sorts the points, or the chosen ones, which then ascend.
 
         While they are in the processor's cache they are put into the slabs of the last time. As long as these
         serve, to renew them is half done.
         """
         layout = self._layout
-        if layout is None or self._points is not EVERY_POINT:
+        if layout is None:
             return box_of(self._team, x, lower, upper)
-        sort = _Counting(self._team, self._points, self._key)
+        whole = own = _pieces(self._team, len(x))
+        if self._points is not EVERY_POINT:  # those of them in each piece
+            own = list(pairwise([0, *np.searchsorted(self._points, [b for _, b in whole]).tolist()]))
+        sort = _Counting(self._team, self._points, self._key, own)
         sort.begin(layout.slabs)
         keys = self._keys(x, layout)
-        boxes = np.empty((2, len(sort.pieces), 3))
+        boxes = np.empty((2, len(whole), 3))
 
         def piece(k: int, a: int, b: int) -> int:
             lost = survey(x, a, b, lower, upper, boxes[0, k], boxes[1, k])
             if lost < 0:
-                keys(a, b, sort.counts[k])
+                keys(*own[k], sort.counts[k])
             return lost
 
-        found = [p for p in self._team.map(piece, sort.pieces) if p >= 0]
+        found = [p for p in self._team.map(piece, whole) if p >= 0]
         self._counted = None if found else (layout, sort)
         return min(found, default=-1), boxes[0].min(axis=0), boxes[1].max(axis=0)
 
@@ -126,7 +135,8 @@ class Slabs:
         (first, last), width = ends[axis], n.slabs[axis]
         layout = self._layout = _Layout(axis, first * width, width, last - first + 1)
         if counted is None or counted[0] != layout:
-            sort = _Counting(self._team, self._points, self._key)
+            pieces = _pieces(self._team, len(self._key))
+            sort = _Counting(self._team, self._points, self._key, pieces)
             sort.count(layout.slabs, self._keys(x, layout))
         else:
             sort = counted[1]
@@ -164,7 +174,7 @@ def sort_by_cell(
     key, order
         Written: the cell of each point within the block, and the points in order, int32 (n,).
     """
-    sort = _Counting(team, EVERY_POINT, key)
+    sort = _Counting(team, EVERY_POINT, key, _pieces(team, len(key)))
     sort.count(
         int(cells.prod()),
         lambda a, b, counts: cell_keys(x, a, b, origin, inverse, first, cells, key, counts),

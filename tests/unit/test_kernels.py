@@ -401,13 +401,14 @@ def test_slabs_are_a_stable_sort_across_the_axis_that_the_points_fill(threads):
     team.close()
 
 
+@pytest.mark.parametrize("chosen", [EVERY_POINT, np.arange(11, 20000, 3, dtype=np.int32)])
 @pytest.mark.parametrize("threads", [1, 3])
-def test_a_survey_on_the_way_to_slabs_changes_nothing_but_the_time(threads):
+def test_a_survey_on_the_way_to_slabs_changes_nothing_but_the_time(threads, chosen):
     rng = np.random.default_rng(10)
     field, team = Nodes([hat_axis(GRID, k, 0, 0) for k in range(3)]), Team(threads)
     lower, upper = np.array(GRID.lower), np.array(GRID.upper)
     x = rng.uniform(lower + 0.01, lower + 0.4 * (upper - lower), (20000, 3))
-    slabs = Slabs(field, team, len(x))
+    slabs = Slabs(field, team, len(x), chosen)
     # Across one cell border, across none, into a block that is longest along another axis, and out.
     for way in ((0.3, 0.0, 0.0), (1e-4, 0.0, 0.0), (0.0, 0.0, 0.5), (0.0, 0.0, 0.0)):
         x = np.minimum(x + np.array(way) * (upper - lower), upper)
@@ -415,7 +416,7 @@ def test_a_survey_on_the_way_to_slabs_changes_nothing_but_the_time(threads):
         assert lost == -1
         np.testing.assert_array_equal([low, high], [x.min(0), x.max(0)])
         slabs.renew(x, low, high)
-        fresh = Slabs(field, team, len(x))
+        fresh = Slabs(field, team, len(x), chosen)
         fresh.renew(x, low, high)
         np.testing.assert_array_equal(slabs.order, fresh.order)
         np.testing.assert_array_equal(slabs.pointer, fresh.pointer)
