@@ -7,7 +7,7 @@ which of its methods run, and in which order.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,7 +16,7 @@ from matpoint.boundary import Constraints
 from matpoint.errors import MatpointError, NotFiniteError, RunError
 from matpoint.face_loads import FaceLoads, book_pushes
 from matpoint.interpolation.box import BoxMapping
-from matpoint.interpolation.contract import Held, Mapping, ParticleError
+from matpoint.interpolation.contract import Book, Held, Mapping, ParticleError
 from matpoint.kernels import EVERY_POINT
 from matpoint.kernels.ledger import sum_loads
 from matpoint.kernels.nodes import constrain, solve, solve_extra
@@ -57,6 +57,7 @@ class Engine:
         self.team, self.flip, self.terms = team, flip, terms
         self.time, self.step, self.dt = 0.0, 0, 0.0
         self.body = np.zeros((1, 3))
+        self._work = np.zeros((-(-len(particles) // BLOCK), 7))  # of the loads, by blocks of particles
         # Impulse of all external forces (3) [N s], their work [J], impulse of their moments (3).
         self.external = np.zeros(7)
         self._laws: list[Callable[..., int]] = [stress_kernel(m) for m in self.materials]
@@ -199,15 +200,13 @@ class Engine:
         """Take the next positions, bring the domains along, and book the loads' work."""
         v = self.mapping.vertices if self._pushes else None
         corners_before = None if v is None else v.position
-        sums = np.zeros((-(-len(self.particles) // BLOCK), 7))
-        loaded = bool(self.body.any())
         try:
-            self.mapping.advance(partial(self._book_loads, sums) if loaded else None)
+            self.mapping.advance(None if self.mapping.foresees else self._books)
         except ParticleError as fault:
             raise self.fail(fault.particle, fault.cause) from None
-        if loaded:
+        if self._books is not None:
             dt = self.dt
-            self.external += sums.sum(axis=0) * np.array([dt, dt, dt, 1.0, dt, dt, dt])
+            self.external += self._work.sum(axis=0) * np.array([dt, dt, dt, 1.0, dt, dt, dt])
         if v is not None and corners_before is not None:
             book_pushes(self._pushes, corners_before, v.position, self.dt, self.external)
 
@@ -217,13 +216,25 @@ class Engine:
         assert isinstance(self.mapping, BoxMapping)  # refused for others when the run was set up
         return self.mapping
 
-    def _book_loads(self, sums: np.ndarray, start: int, stop: int, before: np.ndarray) -> None:
-        p, some = self.particles, slice(start, stop)
+    @property
+    def _books(self) -> Book | None:
+        """What sums up the loads' work, if there are any."""
+        return self._book_loads if self.body.any() else None
+
+    def _book_loads(self, start: int, stop: int, before: np.ndarray, after: np.ndarray) -> None:
+        some = slice(start, stop)
         body = self.body[some] if len(self.body) > 1 else self.body
-        sum_loads(BLOCK, p.mass[some], body, before, p.position[some], sums[start // BLOCK :])
+        sum_loads(BLOCK, self.particles.mass[some], body, before, after, self._work[start // BLOCK :])
 
     def _return(self, flip: float, *, move: bool, deform: bool) -> None:
-        bad = self.mapping.to_particles(self.dt, flip, move=move, deform=self._deform if deform else None)
+        mapping = self.mapping
+        bad = mapping.to_particles(
+            self.dt,
+            flip,
+            move=move,
+            deform=self._deform if deform else None,
+            book=self._books if move and mapping.foresees else None,
+        )
         if bad >= 0:
             raise self.fail(bad, _INVERTED)
 

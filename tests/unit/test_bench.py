@@ -53,7 +53,10 @@ def test_model_names_stages_that_exist_and_every_method_but_the_reconstructions(
     stages = {stage.name for stage in USL().stages}
     assert set(METHODS) - set(TABLES) == {"imls", "imls-1-point", "imls-2-points"}
     for name in TABLES:
-        assert set(bytes_per_stage(name, 3)) == stages - {"conditions"}
+        idle = {"conditions"} | (
+            {"advance"} if name in ("linear", "ugimp", "bspline2", "bspline3") else set()
+        )
+        assert set(bytes_per_stage(name, 3)) == stages - idle
     assert bytes_per_stage("imls", 3) == {}
 
 
@@ -62,7 +65,7 @@ def test_model_by_hand():
     linear = bytes_per_stage("linear", 3)
     assert linear["locate"] == 24 + 3 * 4
     assert linear["clear"] == 64 / 8
-    assert linear["nodes to particles and stress"] == 4 * 24 + 64 / 8 + 4 + 72 + 8 + 72 + 8 + 48
+    assert linear["nodes to particles and stress"] == 4 * 24 + 8 + 64 / 8 + 4 + 72 + 8 + 72 + 8 + 48
     assert linear["particles to nodes"] == 4 + 24 + 24 + 8 + 8 + 48 + 2 * 64 / 8
     assert bytes_per_stage("bspline2", 2)["clear"] == pytest.approx(64 / 9)
     one, two = (bytes_per_stage(name, 3)["particles to nodes"] for name in ("cpdi1", "cpdi2"))

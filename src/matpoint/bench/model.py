@@ -25,7 +25,7 @@ _LOCATE: Traffic = (("position", "index"), ("index", "index"))
 _NODES: dict[str, Traffic] = {"clear": ((), ("node",)), "solve": (("node",), ("node",))}
 # kernels/stress.py; velocity gradients stay in cache
 _STRESS: Traffic = (("index", "F", "volume0"), ("F", "volume", "stress"))
-# Engine.advance books the work of loads; kernels/ledger.py
+# kernels/ledger.py: the work of loads, booked where positions are known: on the way back, CPDI2's in advance
 _BOOK = ("mass", "position", "position")
 
 # kernels/box.py
@@ -33,8 +33,7 @@ _POINTS: dict[str, Traffic] = {
     "locate": _LOCATE,
     **_NODES,
     "particles to nodes": (("index", "position", "velocity", "mass", "volume", "stress", "node"), ("node",)),
-    _RETURN: (("position", "velocity", "node", *_STRESS[0]), ("velocity", "position", *_STRESS[1])),
-    "advance": (_BOOK, ()),
+    _RETURN: (("position", "velocity", "mass", "node", *_STRESS[0]), ("velocity", "position", *_STRESS[1])),
 }
 # The same with half-lengths that follow F (cpGIMP, kernels/stretch.py); boxes of one size share theirs.
 _BOXES: dict[str, Traffic] = {
@@ -42,13 +41,13 @@ _BOXES: dict[str, Traffic] = {
     "particles to nodes": ((*_POINTS["particles to nodes"][0], "half"), ("node",)),
 }
 _BOXES[_RETURN] = ((*_POINTS[_RETURN][0], "half"), _POINTS[_RETURN][1])
-_STRETCHED: dict[str, Traffic] = {**_BOXES, "advance": ((*_BOOK, "F", "half0"), ("half",))}
+_STRETCHED: dict[str, Traffic] = {**_BOXES, "advance": (("F", "half0"), ("half",))}
 # kernels/parallelepiped.py: corners are made of positions and half edges, r_k = F r_k0.
 _PARALLELEPIPEDS: dict[str, Traffic] = {
     **_POINTS,
     "particles to nodes": ((*_POINTS["particles to nodes"][0], "edges"), ("node",)),
     _RETURN: ((*_POINTS[_RETURN][0], "edges"), _POINTS[_RETURN][1]),
-    "advance": ((*_BOOK, "F", "edges0"), ("edges",)),
+    "advance": (("F", "edges0"), ("edges",)),
 }
 # kernels/vertex.py: "weights" are R and G of all corners, "first" tells who adds to a record first.
 _TO_VERTICES = ("connectivity", "first", "weights", "velocity", "mass", "volume", "stress")

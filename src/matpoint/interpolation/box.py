@@ -114,7 +114,7 @@ class BoxMapping(Mapping):
         )  # fmt: skip
 
     def advance(self, book: Book | None = None) -> None:
-        self.tell(book, self.swap_positions())
+        self.swap_positions()
 
     def permute(self, order: np.ndarray) -> None:
         if len(self.half) > 1:

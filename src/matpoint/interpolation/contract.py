@@ -30,8 +30,9 @@ from matpoint.vertices import Vertices
 
 #: ``deform(start, stop, gradient)`` deforms particles start:stop; it returns the first that can't be, or -1.
 Deform = Callable[[int, int, np.ndarray], int]
-#: ``book(start, stop, before)`` is told where particles start:stop were before the step, (m, 3) [m].
-Book = Callable[[int, int, np.ndarray], object]
+#: ``book(start, stop, before, after)`` is told where the step takes particles start:stop, (m, 3) [m] each, by
+#: blocks that begin at multiples of ``BLOCK``, in any order and on any thread.
+Book = Callable[[int, int, np.ndarray, np.ndarray], object]
 
 
 class ParticleError(Exception):
@@ -168,6 +169,8 @@ class Mapping(ABC):
     particles: Particles
     team: Team
     position_next: np.ndarray
+    #: Whether ``position_next`` is where particles are after ``advance``, to the last bit.
+    foresees: ClassVar[bool] = True
     consistent: ClassVar[bool] = False  # True: the mass couples the nodes, and ``solve`` takes the conditions
     fallen: np.ndarray = np.zeros(0, dtype=np.int64)  # internal indices of domains that fell back to CPDI1
 
@@ -202,11 +205,19 @@ class Mapping(ABC):
         """
 
     def to_particles(
-        self, dt: float, flip: float, *, move: bool, deform: Deform | None = None, carry: bool = True
+        self,
+        dt: float,
+        flip: float,
+        *,
+        move: bool,
+        deform: Deform | None = None,
+        book: Book | None = None,
+        carry: bool = True,
     ) -> int:
         """Bring velocity and next position (``move``) to the particles, and deform them.
 
         With them go the corners of their domains, if the grid carries them and ``carry`` is True.
+        ``book`` must only be given if the mapping :attr:`foresees`.
 
         ``deform`` is handed velocity gradients of a block of particles as soon as they are known, while
         they are in the processor's cache; none are kept. Return the lowest particle that it refused, or -1.
@@ -219,19 +230,20 @@ class Mapping(ABC):
             for a in range(start, stop, BLOCK):
                 b = min(a + BLOCK, stop)
                 self.bring(a, b, gradient, take)
+                if book is not None:
+                    book(a, b, self.particles.position[a:b], self.position_next[a:b])
                 bad = -1 if deform is None else deform(a, b, gradient)
                 if bad >= 0:
                     return bad
             return -1
 
-        return first_fault(self.team, len(self.particles), piece)
+        return min((p for p in self.team.blocks(len(self.particles), piece) if p >= 0), default=-1)
 
     @abstractmethod
     def advance(self, book: Book | None = None) -> None:
         """Take the next positions and bring the domains to the end of the step.
 
-        ``book`` is called for blocks of particles, in any order and on any thread, that begin at multiples of
-        ``BLOCK``.
+        ``book`` is told where it takes them, if the mapping does not foresee it.
         """
 
     def swap_positions(self) -> np.ndarray:
@@ -239,11 +251,6 @@ class Mapping(ABC):
         p = self.particles
         p.position, self.position_next = self.position_next, p.position
         return self.position_next
-
-    def tell(self, book: Book | None, before: np.ndarray) -> None:
-        """Book all particles, now that they are where the step takes them."""
-        if book is not None:
-            self.team.blocks(len(self.particles), lambda a, b: book(a, b, before[a:b]))
 
     @abstractmethod
     def permute(self, order: np.ndarray) -> None:

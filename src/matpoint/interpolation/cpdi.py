@@ -85,7 +85,7 @@ class ConvectedVertices(VertexMapping):
                     return found
                 a = turned + 1
             if book is not None:
-                book(first, b, before)
+                book(first, b, before, p.position[first:b])
         return found
 
     def _build_fallen(self, position: np.ndarray) -> None:

@@ -92,7 +92,7 @@ class ParallelepipedMapping(Mapping):
         )  # fmt: skip
 
     def advance(self, book: Book | None = None) -> None:
-        self.tell(book, self.swap_positions())
+        self.swap_positions()
         self._stretch()
 
     def permute(self, order: np.ndarray) -> None:

@@ -37,6 +37,8 @@ def bounds_of_corners(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
 class VertexMapping(Mapping):
     """Two-level transfers; a subclass says how vertices come about and how domains advance."""
 
+    foresees = False  # particles will be at the centroids of where their corners go
+
     def __init__(self, setting: Setting, vertices: Vertices) -> None:
         grid = setting.grid
         self.particles, self.team, self._vertices = setting.particles, setting.team, vertices
@@ -131,9 +133,10 @@ class VertexMapping(Mapping):
             add_forces(vertices, force, self.vertices.flat)
 
     def advance(self, book: Book | None = None) -> None:
-        before = self.swap_positions()
+        before, p = self.swap_positions(), self.particles
         self.update_domains()
-        self.tell(book, before)
+        if book is not None:
+            self.team.blocks(len(p), lambda a, b: book(a, b, before[a:b], p.position[a:b]))
 
     def permute(self, order: np.ndarray) -> None:
         self.vertices.permute_particles(order)

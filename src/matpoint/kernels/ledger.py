@@ -60,7 +60,8 @@ def sum_loads(block, mass, body, before, after, sums):
             x, y, z = before[p, 0], before[p, 1], before[p, 2]
             px, py, pz = px + fx, py + fy, pz + fz
             work += fx * (after[p, 0] - x) + fy * (after[p, 1] - y) + fz * (after[p, 2] - z)
-            mx, my, mz = mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx
+            # In brackets, so that each sum waits for one addition a particle only.
+            mx, my, mz = mx + (y * fz - z * fy), my + (z * fx - x * fz), mz + (x * fy - y * fx)
         row = first // block
         sums[row, 0], sums[row, 1], sums[row, 2], sums[row, 3] = px, py, pz, work
         sums[row, 4], sums[row, 5], sums[row, 6] = mx, my, mz
