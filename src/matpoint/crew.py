@@ -10,7 +10,7 @@ import os
 import threading
 import weakref
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 
 class _Helper:
@@ -38,7 +38,8 @@ class _Helper:
 
     def _work(self) -> None:
         if self._processor is not None:
-            os.sched_setaffinity(0, {self._processor})
+            with suppress(OSError):  # a processor that was taken away meanwhile
+                os.sched_setaffinity(0, {self._processor})
         while True:
             self._wake.acquire()
             call, self._call = self._call, None  # not to be kept alive while this thread sleeps
@@ -102,11 +103,15 @@ class Crew:
             yield
             return
         allowed = os.sched_getaffinity(0)
-        os.sched_setaffinity(0, self._place)
+        try:
+            os.sched_setaffinity(0, self._place)
+        except OSError:  # not to be had any more, or never: then the system chooses
+            self._place = set()
         try:
             yield
         finally:
-            os.sched_setaffinity(0, allowed)
+            if self._place:
+                os.sched_setaffinity(0, allowed)
 
     def close(self) -> None:
         """End the helpers."""

@@ -80,6 +80,17 @@ def test_the_calling_thread_may_go_where_it_might_before():
     team.close()
 
 
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the system binds no threads")
+def test_a_system_that_binds_no_threads_runs_them_all_the_same(monkeypatch):
+    def refuse(*_):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "sched_setaffinity", refuse)
+    team = Team(max(2, available_threads()))
+    assert sum(team.split(LONG, lambda a, b: b - a)) == LONG
+    team.close()
+
+
 def test_helpers_end_with_their_team():
     gc.collect()
     before = helpers()

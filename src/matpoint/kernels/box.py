@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from matpoint.jit import device, kernel, set_item
 from matpoint.kernels.content import contribution, take
-from matpoint.kernels.point import spread, value_at
 from matpoint.kernels.rows import row
+from matpoint.kernels.spread import spread, value_at
 from matpoint.kernels.vector import fma, lane, load, pack, scale, store, zero
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import sqrt
 
 from matpoint.jit import kernel, summing_kernel
-from matpoint.kernels.point import spread
+from matpoint.kernels.spread import spread
 from matpoint.kernels.vector import load, pack, plus, store, zero
 
 

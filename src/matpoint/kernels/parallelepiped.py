@@ -12,7 +12,7 @@ import numpy as np
 from matpoint.jit import device, kernel
 from matpoint.kernels.content import contribution, take
 from matpoint.kernels.corners import SIGNS, cofactors
-from matpoint.kernels.point import spread, value_at
+from matpoint.kernels.spread import spread, value_at
 from matpoint.kernels.vector import fma, load, scale, splat, store_quadruples, store_triples, zero
 
 _SIGN_X, _SIGN_Y, _SIGN_Z = (np.ascontiguousarray(SIGNS[:, k]) for k in range(3))

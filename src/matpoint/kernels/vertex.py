@@ -12,7 +12,7 @@ import numpy as np
 
 from matpoint.jit import device, kernel
 from matpoint.kernels.content import contribution, take
-from matpoint.kernels.point import spread, value_at
+from matpoint.kernels.spread import spread, value_at
 from matpoint.kernels.vector import fma, lane, load, store, zero
 
 
