@@ -14,6 +14,7 @@ from matpoint.kernels.locate import cell_keys, place_by_key, slab_keys, survey
 from matpoint.nodes import Nodes
 from matpoint.threads import Team
 
+_WORTH_IT = 100_000  # points of a sort, of 1 to 3 ns each: fewer are sorted before a helper is awake
 _MOST_PIECES = 16  # each has counts of its own
 
 # Finds the keys of points start:stop and counts them.
@@ -33,7 +34,7 @@ def box_of(
 
 def _pieces(team: Team, count: int) -> list[tuple[int, int]]:
     """Cut a sort into no more pieces than threads: they are over before one could help another out."""
-    return team.pieces(count, min(team.threads, _MOST_PIECES))
+    return team.pieces(count, min(team.threads, _MOST_PIECES if count >= _WORTH_IT else 1))
 
 
 class _Counting:

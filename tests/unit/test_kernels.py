@@ -379,8 +379,16 @@ def test_constrain_and_its_reaction(flip):
     np.testing.assert_allclose(external[:3], start[:, 3] @ change, atol=1e-12)
 
 
+@pytest.fixture
+def in_pieces(monkeypatch):
+    """Let few points be worth several pieces."""
+    monkeypatch.setattr("matpoint.threads._WORTH_IT", 1)
+    monkeypatch.setattr("matpoint.threads._SHORTEST", 64)
+    monkeypatch.setattr("matpoint.sorting._WORTH_IT", 1)
+
+
 @pytest.mark.parametrize("threads", [1, 3])
-def test_slabs_are_a_stable_sort_across_the_axis_that_the_points_fill(threads):
+def test_slabs_are_a_stable_sort_across_the_axis_that_the_points_fill(threads, in_pieces):
     rng = np.random.default_rng(6)
     field = Nodes([hat_axis(GRID, k, 0, 0) for k in range(3)])
     x = rng.uniform(np.array(GRID.lower), np.array(GRID.upper), (5000, 3))
@@ -403,7 +411,7 @@ def test_slabs_are_a_stable_sort_across_the_axis_that_the_points_fill(threads):
 
 @pytest.mark.parametrize("chosen", [EVERY_POINT, np.arange(11, 20000, 3, dtype=np.int32)])
 @pytest.mark.parametrize("threads", [1, 3])
-def test_a_survey_on_the_way_to_slabs_changes_nothing_but_the_time(threads, chosen):
+def test_a_survey_on_the_way_to_slabs_changes_nothing_but_the_time(threads, chosen, in_pieces):
     rng = np.random.default_rng(10)
     field, team = Nodes([hat_axis(GRID, k, 0, 0) for k in range(3)]), Team(threads)
     lower, upper = np.array(GRID.lower), np.array(GRID.upper)
@@ -437,7 +445,7 @@ def test_slabs_of_averaged_hats_are_as_thick_as_what_boxes_of_any_size_write_to(
 
 @pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("dim", [1, 2, 3])
-def test_cell_order_is_a_stable_sort(dim, threads):
+def test_cell_order_is_a_stable_sort(dim, threads, in_pieces):
     rng = np.random.default_rng(7)
     grid = Grid(GRID.lower[:dim], GRID.upper[:dim], GRID.cell[:dim])
     x = np.zeros((5000, 3))
