@@ -54,6 +54,11 @@ class Vertices:
     def __len__(self) -> int:
         return len(self.position)
 
+    @property
+    def count(self) -> np.ndarray:
+        """How many corners each particle has, shape (n,)."""
+        return CORNERS[self.kind]
+
     def enrich(self, vertices: np.ndarray) -> None:
         """Make these vertices degrees of freedom of their own."""
         self.enriched = np.asarray(vertices, dtype=np.int64)
@@ -69,13 +74,12 @@ class Vertices:
 
     def link(self) -> None:
         """Cut the particles into runs that can be added up side by side; needed after any change of order."""
-        self.count = CORNERS[self.kind]
         edges = np.zeros(len(self.connectivity) // _SHORTEST + 2, dtype=np.int64)
         taken = independent_blocks(self.connectivity, len(self), _SHORTEST, edges)
         self.edges = edges[:taken].copy()
         seen = np.zeros(len(self), dtype=bool)
         self.first = np.zeros(len(self.connectivity), dtype=np.uint8)
-        find_first(self.edges, self.connectivity, self.count, seen, self.first)
+        find_first(self.edges, self.connectivity, self.kind, seen, self.first)
         self.idle = np.flatnonzero(~seen)
 
     def owner(self, vertex: int) -> int:

@@ -219,11 +219,11 @@ def test_parallelepipeds_transfer_what_their_corners_would(dim):
     corner, weights = np.zeros((n * count, 3)), np.zeros((n, count, 4))
     parallelepiped.parallelepipeds(0, n, np.arange(n), 0, dim, x, edges, corner, weights)
     connectivity = np.arange(n * count, dtype=np.int32).reshape(n, count)
-    every, records = np.full(n, count, dtype=np.int8), vector.records(n * count)
+    kinds, records = np.full(n, dim - 1, dtype=np.int8), vector.records(n * count)
     through, at_once = (Nodes([hat_axis(grid, k, 0, 0) for k in range(dim)]) for _ in range(2))
     ny, nz = through.shape[1:]
     vertex.particles_to_vertices(
-        np.arange(1), 0, 1, np.array([0, n]), connectivity, every, np.full(n, 255, dtype=np.uint8), weights,
+        np.arange(1), 0, 1, np.array([0, n]), connectivity, kinds, np.full(n, 255, dtype=np.uint8), weights,
         v, m, V, s, b, 1.0, 1.0, records.reshape(-1),
     )  # fmt: skip
     vertex.vertices_to_nodes(
@@ -250,7 +250,7 @@ def test_parallelepipeds_transfer_what_their_corners_would(dim):
             )
         else:
             vertex.vertices_to_particles(
-                0, n, connectivity, every, weights, records.reshape(-1), v1, x, x1, L, 0.1, 0.6, True, True
+                0, n, connectivity, kinds, weights, records.reshape(-1), v1, x, x1, L, 0.1, 0.6, True, True
             )
         found.append((v1, x1, L))
     for a, c in zip(*found, strict=True):
@@ -266,15 +266,15 @@ def test_vertex_transfers():
     connectivity = rng.integers(0, nv, (n, 4)).astype(np.int32)
     weights, v = rng.normal(size=(n, 4, 4)), rng.normal(size=(n, 3))
     m, V, s, b = rng.uniform(1, 2, n), rng.uniform(1, 2, n), rng.normal(size=(n, 6)), rng.normal(size=(1, 3))
-    edges, every = np.array([0, 2, 4, n]), np.full(n, 4, dtype=np.int8)
+    edges, kinds = np.array([0, 2, 4, n]), np.ones(n, dtype=np.int8)
     seen, first = np.zeros(nv, dtype=bool), np.zeros(n, dtype=np.uint8)
-    vertex.find_first(edges, connectivity, every, seen, first)
+    vertex.find_first(edges, connectivity, kinds, seen, first)
     np.testing.assert_array_equal(seen, np.isin(np.arange(nv), connectivity))
     assert sum(int(bits).bit_count() for bits in first) == seen.sum()
     records = vector.records(nv)
     records[seen] = 7.0  # of the step before
     vertex.particles_to_vertices(
-        np.array([0, 2, 1]), 0, 3, edges, connectivity, every, first, weights,
+        np.array([0, 2, 1]), 0, 3, edges, connectivity, kinds, first, weights,
         v, m, V, s, b, 1.0, 1.0, records.reshape(-1),
     )  # fmt: skip
     R, G = np.zeros((nv, n)), np.zeros((nv, n, 3))
@@ -318,7 +318,7 @@ def test_vertex_transfers():
         0,
         n,
         connectivity,
-        np.full(n, 4, dtype=np.int8),
+        kinds,
         weights,
         back.reshape(-1),
         v1,

@@ -86,7 +86,7 @@ class VertexMapping(Mapping):
         self.team.coloured(
             v.edges,
             lambda runs, a, b: kernels.particles_to_vertices(
-                runs, a, b, v.edges, v.connectivity, v.count, v.first, v.weights, p.velocity,
+                runs, a, b, v.edges, v.connectivity, v.kind, v.first, v.weights, p.velocity,
                 p.mass, p.volume, p.stress, body, float(kinematic), float(dynamic), v.flat,
             ),
         )  # fmt: skip
@@ -120,7 +120,7 @@ class VertexMapping(Mapping):
     def bring(self, start: int, stop: int, gradient: np.ndarray, take: Take) -> None:
         p, v = self.particles, self.vertices
         kernels.vertices_to_particles(
-            start, stop, v.connectivity, v.count, v.weights, v.flat, p.velocity, p.position,
+            start, stop, v.connectivity, v.kind, v.weights, v.flat, p.velocity, p.position,
             self.position_next, gradient, *take,
         )  # fmt: skip
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from matpoint.jit import device, kernel
 from matpoint.kernels.content import contribution, take
+from matpoint.kernels.corners import CORNERS
 from matpoint.kernels.spread import spread, value_at
 from matpoint.kernels.vector import fma, lane, load, store, zero
 
@@ -42,7 +43,7 @@ def independent_blocks(corners, vertices, smallest, edges):
 
 
 @kernel
-def find_first(edges, corners, count, seen, first):
+def find_first(edges, corners, kind, seen, first):
     """Bit c of ``first[p]``: no particle adds to corner c of p before p does, even runs before odd ones.
 
     ``seen`` (vertices,), False throughout, tells afterwards which have any particle.
@@ -51,7 +52,7 @@ def find_first(edges, corners, count, seen, first):
         for k in range(colour, edges.shape[0] - 1, 2):
             for p in range(edges[k], edges[k + 1]):
                 bits = 0
-                for c in range(count[p]):
+                for c in range(CORNERS[kind[p]]):
                     if not seen[corners[p, c]]:
                         seen[corners[p, c]] = True
                         bits |= 1 << c
@@ -60,7 +61,7 @@ def find_first(edges, corners, count, seen, first):
 
 @kernel
 def particles_to_vertices(
-    runs, start, stop, edges, corners, count, first, weights, v, mass, volume, stress, body, kinematic, dynamic,
+    runs, start, stop, edges, corners, kind, first, weights, v, mass, volume, stress, body, kinematic, dynamic,
     records,
 ):  # fmt: skip
     """Sum what particles bring to the records of their corners (S 1, 2, 9, 23).
@@ -73,7 +74,7 @@ def particles_to_vertices(
             content, pull_x, pull_y, pull_z = contribution(
                 p, v, mass, volume, stress, body, kinematic, dynamic
             )
-            for c in range(count[p]):
+            for c in range(CORNERS[kind[p]]):
                 a = 8 * corners[p, c]
                 before = zero() if (first[p] >> c) & 1 else load(records, a)
                 record = fma(weights[p, c, 1], pull_x, fma(weights[p, c, 0], content, before))
@@ -118,7 +119,7 @@ def move_vertices(start, stop, points, records, x, x_next, dt):
 
 @kernel
 def vertices_to_particles(
-    start, stop, corners, count, weights, records, v, x, x_next, gradient, dt, flip, move, differentiate
+    start, stop, corners, kind, weights, records, v, x, x_next, gradient, dt, flip, move, differentiate
 ):
     """Velocity and position (S 13, 14) if ``move``, velocity gradient (S 15) if ``differentiate``.
 
@@ -126,7 +127,7 @@ def vertices_to_particles(
     """
     for p in range(start, stop):
         value, along_x, along_y, along_z = zero(), zero(), zero(), zero()
-        for c in range(count[p]):
+        for c in range(CORNERS[kind[p]]):
             record = load(records, 8 * corners[p, c])
             value = fma(weights[p, c, 0], record, value)
             along_x = fma(weights[p, c, 1], record, along_x)
