@@ -12,28 +12,41 @@ import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+_PATIENCE = 0.1  # seconds, then a helper is woken once more
+
 
 class _Helper:
-    """A thread that sleeps until it is given something to call."""
+    """A thread that sleeps until it is given something to call.
+
+    What it owes is ``asked - done``. Locks only wake: one wake-up too many does no harm, and a lost one (an
+    interrupt may come anywhere in the caller) is made good by the caller's waiting.
+    """
 
     def __init__(self, processor: int | None) -> None:
         self._processor = processor
         self._call: Callable[[], None] | None = None
-        self._wake, self.ended = threading.Lock(), threading.Lock()
+        self._asked, self._done = 0, 0
+        self._wake, self._ended = threading.Lock(), threading.Lock()
         self._wake.acquire()
+        self._ended.acquire()
         self._thread = threading.Thread(target=self._work, name="matpoint", daemon=True)
         self._thread.start()
 
-    def begin(self, call: Callable[[], None]) -> None:
-        """Let it call; ``ended`` can be had when it has."""
-        self._call, self.ended = call, threading.Lock()
-        self.ended.acquire()
-        self._wake.release()
+    def begin(self, call: Callable[[], None] | None) -> None:
+        """Let it call, or end if there is nothing to call."""
+        self.wait()
+        self._call = call
+        self._asked += 1
+        _signal(self._wake)
 
-    def stop(self) -> None:
-        """End the thread."""
-        self._call = None
-        self._wake.release()
+    def wait(self) -> None:
+        """Wait until it owes nothing."""
+        while self._done != self._asked:
+            if not self._ended.acquire(timeout=_PATIENCE):
+                _signal(self._wake)
+
+    def join(self) -> None:
+        """Wait for its end."""
         self._thread.join()
 
     def _work(self) -> None:
@@ -42,20 +55,30 @@ class _Helper:
                 os.sched_setaffinity(0, {self._processor})
         while True:
             self._wake.acquire()
+            if self._done == self._asked:
+                continue
             call, self._call = self._call, None  # not to be kept alive while this thread sleeps
-            if call is None:
-                return
-            ended = self.ended
             try:
+                if call is None:
+                    return
                 call()
             finally:
-                ended.release()
-            del call
+                del call
+                self._done += 1
+                _signal(self._ended)
+
+
+def _signal(lock: threading.Lock) -> None:
+    """Release a lock that may be free already."""
+    with suppress(RuntimeError):
+        lock.release()
 
 
 def _stop(helpers: list[_Helper]) -> None:
     while helpers:
-        helpers.pop().stop()
+        one = helpers.pop()
+        one.begin(None)
+        one.join()
 
 
 class Crew:
@@ -88,13 +111,12 @@ class Crew:
         """
         helpers = self._helpers[: most - 1]
         with self._at_its_place():
-            for one in helpers:
-                one.begin(call)
             try:
+                for one in helpers:
+                    one.begin(call)
                 call()
             finally:
-                for one in helpers:
-                    one.ended.acquire()
+                _wait(helpers)
 
     @contextmanager
     def _at_its_place(self) -> Iterator[None]:
@@ -116,3 +138,17 @@ class Crew:
     def close(self) -> None:
         """End the helpers."""
         self._end()
+
+
+def _wait(helpers: list[_Helper]) -> None:
+    """Wait for helpers; an interrupt is raised when all have stopped, since arrays are in use until then."""
+    late: KeyboardInterrupt | None = None
+    while True:
+        try:
+            for one in helpers:
+                one.wait()
+            break
+        except KeyboardInterrupt as interrupt:
+            late = interrupt
+    if late is not None:
+        raise late

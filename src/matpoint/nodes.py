@@ -59,9 +59,9 @@ def gimp_axis(grid: Grid, k: int, below: int, above: int, reach: int, half: floa
     row = Gimp(origin, inverse, zeros)
     if half is not None:
         row = EqualGimp(origin, inverse, half * inverse, 0.5 / (half * inverse), zeros)
-    # Boxes of up to reach - 2 cells begin up to half of them, rounded up, below the cell of their centre, and
-    # the row of the shortest reaches reach - 1 nodes above it.
-    return Axis(row, hats.coordinates, reach, reach - 1 + (reach - 1) // 2)
+    # Boxes of up to reach - 2 cells, and a hair, begin less than reach / 2 cells below their centre, and the
+    # row of the shortest reaches reach - 1 nodes above it.
+    return Axis(row, hats.coordinates, reach, reach - 1 + reach // 2)
 
 
 def spline_axis(grid: Grid, k: int, degree: int) -> Axis:
@@ -96,6 +96,11 @@ class Nodes:
         self.flat = self.records.reshape(-1)
         self.first: tuple[int, int, int] = (0, 0, 0)  # of the active block, and one past its end
         self.last = self.first
+
+    @property
+    def extra(self) -> int:
+        """How many are no part of the grid: enriched vertices."""
+        return len(self.records) - self.on_grid
 
     @property
     def rows(self) -> tuple[Any, Any, Any]:

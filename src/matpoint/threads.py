@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
@@ -86,17 +87,23 @@ class Team:
             lock.acquire()
 
         def work() -> None:
-            for k in turn:
-                try:
-                    for earlier in after[k] if after else ():
-                        with going[earlier]:
-                            pass
-                    results[k] = call(k, *pieces[k])
-                except BaseException as fault:
-                    faults.append((k, fault))
-                finally:
-                    if going:
-                        going[k].release()
+            try:
+                for k in turn:
+                    try:
+                        for earlier in after[k] if after else ():
+                            with going[earlier]:
+                                pass
+                        results[k] = call(k, *pieces[k])
+                    except BaseException as fault:
+                        faults.append((k, fault))
+                    finally:
+                        if going:
+                            going[k].release()
+            except BaseException as interrupt:  # between two pieces: nobody must wait for one of them
+                faults.append((len(pieces), interrupt))
+                for lock in going:
+                    with suppress(RuntimeError):
+                        lock.release()
 
         self._crew.run(work, min(self.threads, len(pieces)))
         if faults:

@@ -16,6 +16,13 @@ _SHORTEST = 256  # particles of a run; fewer are not worth a thread's while
 class Vertices:
     """Corners of all domains and the lists that join them to particles.
 
+    Parameters
+    ----------
+    position, connectivity, kind
+        As below; ``position`` is the initial one.
+    kept
+        False for corners that are made to be looked at only: without weights, records and runs.
+
     Attributes
     ----------
     position, position0 : ndarray, shape (nv, 3)
@@ -38,18 +45,21 @@ class Vertices:
         that is all of them.
     """
 
-    def __init__(self, position: np.ndarray, connectivity: np.ndarray, kind: np.ndarray) -> None:
+    def __init__(
+        self, position: np.ndarray, connectivity: np.ndarray, kind: np.ndarray, *, kept: bool = True
+    ) -> None:
         self.position0 = np.ascontiguousarray(position, dtype=float)
         self.position = self.position0.copy()
-        self.position_next = self.position0.copy()
         self.connectivity = np.ascontiguousarray(connectivity, dtype=np.int32)
         self.kind = np.ascontiguousarray(kind, dtype=np.int8)
-        self.weights = np.zeros((*self.connectivity.shape, 4))
-        self.records = records(len(position))
+        self.position_next = self.position.copy() if kept else self.position
+        self.weights = np.zeros((*self.connectivity.shape, 4)) if kept else np.zeros((0, 0, 4))
+        self.records = records(len(position) if kept else 0)
         self.flat = self.records.reshape(-1)
         self.enriched = np.zeros(0, dtype=np.int64)
         self.ordinary = EVERY_POINT
-        self.link()
+        if kept:
+            self.link()
 
     def __len__(self) -> int:
         return len(self.position)
@@ -121,7 +131,7 @@ class Vertices:
 
     def initial_weights(self) -> np.ndarray:
         """Return R and G of all domains where they began, shape (n, K, 4)."""
-        weights = np.zeros_like(self.weights)
+        weights = np.zeros((*self.connectivity.shape, 4))
         centre = np.zeros((len(self.connectivity), 3))
         corner_weights(0, len(weights), self.kind, self.connectivity, self.position0, weights, centre)
         return weights

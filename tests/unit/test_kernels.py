@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
+import matpoint as mp
 from matpoint.grid import Grid
 from matpoint.kernels import EVERY_POINT, box, corners, ledger, locate, nodes, parallelepiped, vector, vertex
 from matpoint.kernels.fields import per_particle
@@ -257,6 +258,17 @@ def test_parallelepipeds_transfer_what_their_corners_would(dim):
         np.testing.assert_allclose(a, c, atol=1e-11)
 
 
+def test_slabs_of_parallelepipeds_have_room_for_rounding():
+    """A domain of two cells whose centre lies on a border: rounding may put its corner one cell farther."""
+    sim = mp.Simulation(
+        mp.Grid((1.9,) * 2, (11.9,) * 2, 0.5),
+        [mp.Body(mp.mesh_box((4.9,) * 2, (8.9,) * 2, (4, 4)), mp.NeoHookean(1e6, 0.3, 1e3))],
+        interpolation=mp.CPDI1(),
+        timestep=mp.FixedStep(1e-4),
+    )
+    assert sim.engine.mapping.nodes.slabs[:2] == (5, 5)
+
+
 def test_vertex_transfers():
     rng = np.random.default_rng(13)
     field = Nodes([hat_axis(GRID, k, 0, 0) for k in range(2)])
@@ -438,6 +450,7 @@ def test_slabs_of_averaged_hats_are_as_thick_as_what_boxes_of_any_size_write_to(
     rng = np.random.default_rng(9)
     r, half = rng.uniform(10, 11, 4000), rng.uniform(0, 0.5 * (reach - 2), 4000)
     half[:9] = 0.5 * (reach - 2)
+    r[:9], half[0] = 10.0, half[0] + 5e-10  # a hair more is taken
     first = np.floor(r - half).astype(int)
     below, above = 10 - first, first + reach - 1 - 10
     assert below.max() + above.max() == gimp_axis(GRID, 0, 3, 8, reach).slab

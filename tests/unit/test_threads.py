@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import threading
 import time
 
@@ -87,6 +88,39 @@ def test_a_system_that_binds_no_threads_runs_them_all_the_same(monkeypatch):
 
     monkeypatch.setattr(os, "sched_setaffinity", refuse)
     team = Team(max(2, available_threads()))
+    assert sum(team.split(LONG, lambda a, b: b - a)) == LONG
+    team.close()
+
+
+def test_a_team_goes_on_after_interrupts_at_any_moment():
+    team, stop = Team(3), threading.Event()
+    pointer = np.arange(22) * LONG
+
+    def interrupt() -> None:
+        rng = np.random.default_rng(3)
+        while not stop.is_set():
+            time.sleep(rng.uniform(0.0, 0.004))
+            signal.raise_signal(signal.SIGINT)  # Python runs the handler in the main thread
+
+    def rounds() -> None:
+        team.split(LONG, lambda a, b: time.sleep(3e-4))
+        team.coloured(pointer, lambda slabs, a, b: time.sleep(2e-4))
+
+    caught, end = 0, time.monotonic() + 1.0
+    kicker = threading.Thread(target=interrupt, daemon=True)
+    kicker.start()
+    while time.monotonic() < end:
+        try:
+            rounds()
+        except KeyboardInterrupt:
+            caught += 1
+    while kicker.is_alive():
+        try:
+            stop.set()
+            kicker.join()
+        except KeyboardInterrupt:
+            caught += 1
+    assert caught > 20
     assert sum(team.split(LONG, lambda a, b: b - a)) == LONG
     team.close()
 

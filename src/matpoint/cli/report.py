@@ -62,10 +62,10 @@ def explanation(case: Case, sim: Simulation) -> str:
     def said(thing: Any) -> str:
         return _NAMELESS.sub("a function", spelled(thing))
 
-    v = sim.vertices
+    corners, enriched = sim.engine.mapping.corners, sim.engine.mapping.nodes.extra
     sizes = f"{len(sim.particles)} particles, {sim.engine.mapping.nodes.on_grid} grid nodes"
-    if v is not None:
-        sizes += f", {len(v)} vertices, {len(v.enriched)} of them enriched"
+    if corners:
+        sizes += f", {corners} vertices, {enriched} of them enriched"
     step = f"dt = {sim.dt:.4g} s, stable up to {stable_step(sim):.4g} s"
     quiet = quiet_step(sim)
     if quiet is not None:

@@ -179,6 +179,11 @@ class Mapping(ABC):
         """The corners of all domains, or None for the box family."""
         return None
 
+    @property
+    def corners(self) -> int:
+        """The number of corners of all domains, 0 for the box family."""
+        return 0 if self.vertices is None else len(self.vertices)
+
     @abstractmethod
     def before(self) -> None:
         """Find where everything is; raise ParticleError for what has left the grid."""

@@ -11,14 +11,16 @@ from matpoint.interpolation.box import LEFT, wide_bounds
 from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting, Take
 from matpoint.interpolation.vertex import CORNER_LEFT, KIND_OF_DIM, PAD, bounds_of_corners, signs
 from matpoint.kernels.parallelepiped import (
+    corners_of,
     nodes_to_particles,
-    parallelepipeds,
     particles_to_nodes,
     stretch_edges,
 )
 from matpoint.nodes import Nodes, hat_axis
 from matpoint.sorting import Slabs, box_of
 from matpoint.vertices import Vertices
+
+_HAIR = 1e-6  # cells that rounding may put a corner farther away
 
 
 class ParallelepipedMapping(Mapping):
@@ -37,16 +39,18 @@ class ParallelepipedMapping(Mapping):
         self._stretch()
 
     @property
+    def corners(self) -> int:
+        return len(self.particles) * 2**self._grid.dim
+
+    @property
     def vertices(self) -> Vertices:
         """The corners of all domains as they are now; corner c of particle p is vertex p * 2^dim + c."""
         p, dim = self.particles, self._grid.dim
         n, count = len(p), 2**dim
         first = (p.position0[:, None] + signs(dim) @ self._edges0).reshape(-1, 3)
         connectivity = np.arange(n * count, dtype=np.int32).reshape(n, count)
-        found = Vertices(first, connectivity, np.full(n, KIND_OF_DIM[dim - 1]))
-        parallelepipeds(
-            0, n, np.arange(n), 0, dim, p.position, self._edges, found.position, found.weights
-        )  # fmt: skip
+        found = Vertices(first, connectivity, np.full(n, KIND_OF_DIM[dim - 1]), kept=False)
+        self.team.split(len(p), lambda a, b: corners_of(a, b, dim, p.position, self._edges, found.position))
         return found
 
     def before(self) -> None:
@@ -68,9 +72,10 @@ class ParallelepipedMapping(Mapping):
         pieces = self.team.pieces(len(F))
         far = np.zeros((len(pieces), 3))
         self.team.map(lambda k, a, b: stretch_edges(a, b, F, self._edges0, self._edges, far[k]), pieces)
-        self._far = np.where(np.arange(3) < grid.dim, far.max(axis=0), 0.0)
+        cell = np.array([*grid.cell, *(0.0,) * (3 - grid.dim)])
+        self._far = np.where(cell > 0.0, far.max(axis=0), 0.0) + _HAIR * cell
         # A corner is up to so many cells below its particle's, or above it, where it sees one node more.
-        cells = np.minimum(np.ceil(self._far[: grid.dim] / np.array(grid.cell)), max(self.nodes.shape))
+        cells = np.minimum(np.ceil(self._far[: grid.dim] / cell[: grid.dim]), max(self.nodes.shape))
         self.nodes.set_slabs([2 * int(count) + 1 for count in cells])
 
     def to_nodes(self, body: np.ndarray, *, kinematic: bool, dynamic: bool) -> None:

@@ -71,6 +71,17 @@ def parallelepipeds(start, stop, index, first, dim, position, edges, x, weights)
 
 
 @kernel
+def corners_of(start, stop, dim, position, edges, x):
+    """Corners of parallelepipeds start:stop; corner c of the p-th is x[p * 2^dim + c]."""
+    count, places, weights = 2**dim, np.empty(24), np.empty(32)
+    for p in range(start, stop):
+        _corners(p, dim, position, edges, places, weights)
+        for c in range(count):
+            for a in range(3):
+                x[p * count + c, a] = places[3 * c + a]
+
+
+@kernel
 def stretch_edges(start, stop, F, edges0, edges, far):
     """r_k = F r_k0 (S 16); ``far`` (3,) [m] takes sum_k |r_k|, the largest distance of a corner along each axis."""
     x, y, z = 0.0, 0.0, 0.0

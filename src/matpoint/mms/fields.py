@@ -20,7 +20,7 @@ from matpoint.mms.components import refuse_components, refuse_kinks, refuse_unre
 from matpoint.mms.coordinates import COORDINATES, TIME
 from matpoint.mms.folds import refuse_folds
 from matpoint.mms.laws import OwnLaw
-from matpoint.mms.soundness import Field, instants, places, refuse_infinite
+from matpoint.mms.soundness import Field, instants, places, refuse_infinite, some_places
 
 _VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 _F = sp.Matrix(3, 3, sp.symbols("F:3:3", real=True))
@@ -242,7 +242,7 @@ class Manufactured:
         InputError
             With the place and the time where det F is least, and what would help.
         """
-        refuse_folds(self.deformation, places(X), instants(times))
+        refuse_folds(self.deformation, some_places(X), instants(times))
 
     def refuse_infinite(self, X: np.ndarray, times: Sequence[float] | np.ndarray) -> None:
         """Refuse a solution with a field that is no finite number at one of some places and times.
@@ -259,7 +259,7 @@ class Manufactured:
         InputError
             With the field, and the first place and time.
         """
-        refuse_infinite(self._fields, places(X), instants(times))
+        refuse_infinite(self._fields, some_places(X), instants(times))
 
     # -- for runs ----------------------------------------------------------------------------
 

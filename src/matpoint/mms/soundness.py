@@ -36,6 +36,14 @@ def places(X: Any) -> np.ndarray:
     return found
 
 
+def some_places(X: Any) -> np.ndarray:
+    """Return reference positions to look at: as :func:`places`, at least one, and finite."""
+    found = places(X)
+    if len(found) == 0 or not np.isfinite(found).all():
+        raise InputError(f"manufactured solution: X must be {_SHAPE}, at least one, all of them finite")
+    return found
+
+
 def instants(times: Any) -> list[float]:
     """Return times [s] as floats.
 

@@ -165,10 +165,11 @@ class VTKHDF:
 
     def buffer(self, sim: Simulation) -> int:
         """Return the bytes that writing takes: fields, topology, and the file until it is whole."""
-        fields = _fields(sim)
-        if sim.vertices is not None:
-            fields |= _domain_fields(sim, sim.vertices)
-        return 2 * sum(a.nbytes for a in (*fields.values(), *self._topology(sim)))
+        fields, v, made = _fields(sim), sim.vertices, 0
+        if v is not None:
+            fields |= _domain_fields(sim, v)
+            made = 0 if len(v.records) else 2 * v.position.nbytes + v.connectivity.nbytes  # CPDI1's
+        return 2 * sum(a.nbytes for a in (*fields.values(), *self._topology(sim))) + made
 
     # -- helpers -----------------------------------------------------------------------------
 
