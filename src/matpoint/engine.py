@@ -19,12 +19,12 @@ from matpoint.interpolation.box import BoxMapping
 from matpoint.interpolation.contract import Book, Held, Mapping, ParticleError
 from matpoint.kernels import EVERY_POINT
 from matpoint.kernels.ledger import sum_loads
-from matpoint.kernels.nodes import constrain, solve, solve_extra
+from matpoint.kernels.nodes import constrain, solve
 from matpoint.loads import Damping, Loads
 from matpoint.materials import Material, stress_kernel
 from matpoint.neumann import NeumannSeries
 from matpoint.particles import Particles, Rows
-from matpoint.threads import BLOCK, Team
+from matpoint.threads import BLOCK, Team, lowest
 
 T = TypeVar("T")
 
@@ -57,6 +57,7 @@ class Engine:
         self.team, self.flip, self.terms = team, flip, terms
         self.time, self.step, self.dt = 0.0, 0, 0.0
         self.body = np.zeros((1, 3))
+        self._books: Book | None = None  # what sums up the loads' work, if there are any
         self._work = np.zeros((-(-len(particles) // BLOCK), 7))  # of the loads, by blocks of particles
         # Impulse of all external forces (3) [N s], their work [J], impulse of their moments (3).
         self.external = np.zeros(7)
@@ -116,6 +117,7 @@ class Engine:
             if fault.particle is None:
                 raise
             raise self.fail(fault.particle, str(fault)) from None
+        self._books = self._book_loads if self.body.any() else None
 
     def clear(self) -> None:
         """Empty the node records."""
@@ -216,11 +218,6 @@ class Engine:
         assert isinstance(self.mapping, BoxMapping)  # refused for others when the run was set up
         return self.mapping
 
-    @property
-    def _books(self) -> Book | None:
-        """What sums up the loads' work, if there are any."""
-        return self._book_loads if self.body.any() else None
-
     def _book_loads(self, start: int, stop: int, before: np.ndarray, after: np.ndarray) -> None:
         some = slice(start, stop)
         body = self.body[some] if len(self.body) > 1 else self.body
@@ -252,7 +249,7 @@ class Engine:
                     p.stress, self.dt,
                 )
             )  # fmt: skip
-        return min((q for q in found if q >= 0), default=-1)
+        return lowest(found)
 
     def _take_extended(self, deform: bool) -> None:
         """Add what stands in the place of increments to nothing: that is the particles' new velocity."""
@@ -302,8 +299,7 @@ class Engine:
             self._solve_consistent(dt)
             return
         n, damping = self.mapping.nodes, (self.damping.rate, self.damping.factor)
-        n.planes(self.team, lambda a, b: solve(n.flat, a, b, *n.shape[1:], n.first, n.last, dt, *damping))
-        solve_extra(n.flat, n.on_grid, len(n.records), dt, *damping)
+        n.each(self.team, lambda a, b, *block: solve(n.flat, a, b, *block, dt, *damping))
 
     def _constrain(self, before: np.ndarray, after: np.ndarray, external: np.ndarray) -> Any:
         c = self.constraints

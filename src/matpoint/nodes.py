@@ -152,10 +152,6 @@ class Nodes:
             found.append(tuple(min(max(cell, 0), last) for cell in ends))
         return found
 
-    def active_everywhere(self) -> None:
-        """Work on all nodes."""
-        self.first, self.last = (0, 0, 0), self.shape
-
     def active_within(self, low: np.ndarray, high: np.ndarray) -> None:
         """Work only on nodes that points in a box [m] can see; the others are empty, and cost nothing.
 
@@ -185,11 +181,9 @@ class Nodes:
         """
         ny, nz = self.shape[1:]
         self.planes(team, lambda a, b: call(a, b, ny, nz, self.first, self.last))
-        if len(self.records) > self.on_grid:
+        if self.extra:
             call(0, 1, 1, 1, (0, 0, self.on_grid), (1, 1, len(self.records)))
 
     def clear(self, team: Team) -> None:
         """Empty the active records before a transfer."""
-        ny, nz = self.shape[1:]
-        self.planes(team, lambda a, b: clear(self.flat, a, b, ny, nz, self.first, self.last))
-        self.records[self.on_grid :].fill(0.0)
+        self.each(team, lambda *some: clear(self.flat, *some))

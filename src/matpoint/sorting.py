@@ -12,7 +12,7 @@ from matpoint.grid import Grid
 from matpoint.kernels import EVERY_POINT
 from matpoint.kernels.locate import cell_keys, place_by_key, slab_keys, survey
 from matpoint.nodes import Nodes
-from matpoint.threads import Team
+from matpoint.threads import Team, lowest
 
 _WORTH_IT = 100_000  # points of a sort, of 1 to 3 ns each: fewer are sorted before a helper is awake
 _MOST_PIECES = 16  # each has counts of its own
@@ -28,8 +28,7 @@ def box_of(
     pieces = team.pieces(len(x))
     low, high = np.empty((len(pieces), 3)), np.empty((len(pieces), 3))
     found = team.map(lambda k, a, b: survey(x, a, b, lower, upper, low[k], high[k]), pieces)
-    lost = [p for p in found if p >= 0]
-    return min(lost, default=-1), low.min(axis=0), high.max(axis=0)
+    return lowest(found), low.min(axis=0), high.max(axis=0)
 
 
 def _pieces(team: Team, count: int) -> list[tuple[int, int]]:
@@ -91,9 +90,9 @@ class Slabs:
 
     def __init__(self, nodes: Nodes, team: Team, count: int, points: np.ndarray = EVERY_POINT) -> None:
         self._nodes, self._team, self._points = nodes, team, points
-        self._count = count if points is EVERY_POINT else len(points)
-        self._key = np.zeros(self._count, dtype=np.int32)
-        self.order = np.zeros(self._count, dtype=np.int32)
+        taken = count if points is EVERY_POINT else len(points)
+        self._key = np.zeros(taken, dtype=np.int32)
+        self.order = np.zeros(taken, dtype=np.int32)
         self.pointer = np.zeros(2, dtype=np.int64)
         self._layout: _Layout | None = None  # of the last time
         self._counted: tuple[_Layout, _Counting] | None = None
@@ -123,9 +122,9 @@ class Slabs:
                 keys(*own[k], sort.counts[k])
             return lost
 
-        found = [p for p in self._team.map(piece, whole) if p >= 0]
-        self._counted = None if found else (layout, sort)
-        return min(found, default=-1), boxes[0].min(axis=0), boxes[1].max(axis=0)
+        lost = lowest(self._team.map(piece, whole))
+        self._counted = None if lost >= 0 else (layout, sort)
+        return lost, boxes[0].min(axis=0), boxes[1].max(axis=0)
 
     def renew(self, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
         """Sort the points again, where they are now [m], (n, 3), within a box."""

@@ -1,15 +1,15 @@
 """Running kernels on several threads, with bit-for-bit the same result for any number of them.
 
 Kernels release the GIL, so plain threads run them side by side. Loops over particles, vertices
-and nodes write to their own entry only and may be cut anywhere. Scatters run slab by slab, first
-the even slabs, then the odd ones (see ``kernels.locate``).
+and nodes write to their own entry only and may be cut anywhere. Scatters run slab by slab, each odd
+slab after its even neighbours (see ``kernels.locate``).
 """
 
 from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from typing import Any
@@ -30,6 +30,11 @@ def available_threads() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def lowest(found: Iterable[int]) -> int:
+    """Return the lowest of the indices that pieces found, or -1 if all are negative: nothing found."""
+    return min((index for index in found if index >= 0), default=-1)
 
 
 class Team:

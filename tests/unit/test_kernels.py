@@ -196,7 +196,7 @@ def test_parallelepipeds_have_the_weights_of_their_corners(dim):
     edges, far = np.empty_like(edges0), np.zeros(3)
     parallelepiped.stretch_edges(0, n, F, edges0, edges, far)
     corner, weights = np.zeros((n * count, 3)), np.zeros((n, count, 4))
-    parallelepiped.parallelepipeds(0, n, np.arange(n), 0, dim, x, edges, corner, weights)
+    parallelepiped.parallelepipeds(0, n, dim, x, edges, corner, weights)
     offset = np.abs(corner.reshape(n, count, 3) - x[:, None])
     np.testing.assert_allclose(far[:dim], offset.max(axis=(0, 1))[:dim], atol=1e-14)
     own, position = np.zeros((n, count, 4)), np.zeros((n, 3))
@@ -218,7 +218,7 @@ def test_parallelepipeds_transfer_what_their_corners_would(dim):
     v, m, V = rng.normal(size=(n, 3)), rng.uniform(1, 2, n), rng.uniform(1, 2, n)
     s, b = rng.normal(size=(n, 6)), rng.normal(size=(n, 3))
     corner, weights = np.zeros((n * count, 3)), np.zeros((n, count, 4))
-    parallelepiped.parallelepipeds(0, n, np.arange(n), 0, dim, x, edges, corner, weights)
+    parallelepiped.parallelepipeds(0, n, dim, x, edges, corner, weights)
     connectivity = np.arange(n * count, dtype=np.int32).reshape(n, count)
     kinds, records = np.full(n, dim - 1, dtype=np.int8), vector.records(n * count)
     through, at_once = (Nodes([hat_axis(grid, k, 0, 0) for k in range(dim)]) for _ in range(2))
@@ -357,7 +357,7 @@ def test_solve_with_damping():
     nodes.solve(records.reshape(-1), 1, 3, 2, 1, (1, 0, 0), (3, 2, 1), dt, rate, factor)
     np.testing.assert_array_equal(records[:2], other[:2])  # nodes of the first plane are not active
     nodes.solve(records.reshape(-1), 0, 1, 2, 1, (0, 0, 0), (1, 2, 1), dt, rate, factor)
-    nodes.solve_extra(other.reshape(-1), 0, 6, dt, rate, factor)
+    nodes.solve(other.reshape(-1), 0, 1, 1, 1, (0, 0, 0), (1, 1, 6), dt, rate, factor)
     np.testing.assert_array_equal(records, other)
     for n in range(6):
         m = start[n, 3]

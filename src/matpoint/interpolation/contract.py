@@ -20,12 +20,13 @@ from matpoint.errors import InputError
 from matpoint.faces import Facets
 from matpoint.grid import Grid
 from matpoint.interpolation.spare import Spare
-from matpoint.kernels.neumann import divide_by_mass, set_out
+from matpoint.kernels.neumann import set_out
+from matpoint.kernels.nodes import solve
 from matpoint.measures import edge_vectors, half_lengths, measured
 from matpoint.nodes import Nodes
 from matpoint.particles import Particles
 from matpoint.places import Corners, Surface
-from matpoint.threads import BLOCK, Team
+from matpoint.threads import BLOCK, Team, lowest
 from matpoint.vertices import Vertices
 
 #: ``deform(start, stop, gradient)`` deforms particles start:stop; it returns the first that can't be, or -1.
@@ -242,7 +243,7 @@ class Mapping(ABC):
                     return bad
             return -1
 
-        return min((p for p in self.team.blocks(len(self.particles), piece) if p >= 0), default=-1)
+        return lowest(self.team.blocks(len(self.particles), piece))
 
     @abstractmethod
     def advance(self, book: Book | None = None) -> None:
@@ -285,7 +286,9 @@ class Mapping(ABC):
         with spare.in_place_of_own(self):
             self.to_particles(0.0, 0.0, move=True, carry=False)
             self.velocities_to_nodes()
-        nodes.each(self.team, lambda *some: divide_by_mass(*some, trip))
+        nodes.each(
+            self.team, lambda a, b, *block: solve(trip, a, b, *block, 0.0, 0.0, 0.0)
+        )  # divides by mass
         return spare.nodes[:, :3]
 
     def velocities_to_nodes(self) -> None:
@@ -384,4 +387,4 @@ Call = Callable[[int, int], int]
 
 def first_fault(team: Team, count: int, call: Call) -> int:
     """Run a checking kernel in pieces; return the lowest index that it found, or -1."""
-    return min((p for p in team.split(count, call) if p >= 0), default=-1)
+    return lowest(team.split(count, call))

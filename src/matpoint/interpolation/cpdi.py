@@ -93,8 +93,9 @@ class ConvectedVertices(VertexMapping):
         v, fallen = self.vertices, self.fallen
         F = self.particles.deformation_gradient[fallen]
         edges = np.einsum("pab,pkb->pka", F, self._edges[fallen])
+        # No weights: those of all domains are made together.
         parallelepipeds(
-            0, len(fallen), fallen, self._shared, self.dim, position, edges, v.position, v.weights
+            0, len(fallen), self.dim, position, edges, v.position[self._shared :], np.zeros((0, 0, 4))
         )
 
     def _fall_back(self, particles: np.ndarray) -> None:

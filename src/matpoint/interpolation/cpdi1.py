@@ -11,8 +11,8 @@ from matpoint.interpolation.box import LEFT, wide_bounds
 from matpoint.interpolation.contract import Book, Interpolation, Mapping, ParticleError, Setting, Take
 from matpoint.interpolation.vertex import CORNER_LEFT, KIND_OF_DIM, PAD, bounds_of_corners, signs
 from matpoint.kernels.parallelepiped import (
-    corners_of,
     nodes_to_particles,
+    parallelepipeds,
     particles_to_nodes,
     stretch_edges,
 )
@@ -34,6 +34,7 @@ class ParallelepipedMapping(Mapping):
         self._edges0 = setting.domains_edges
         self._edges = np.empty_like(self._edges0)
         self._far = np.zeros(3)
+        self._seen: Vertices | None = None  # made for whoever looks, until something moves
         self._bounds, self._corner_bounds = wide_bounds(grid), bounds_of_corners(grid)
         self._slabs = Slabs(self.nodes, self.team, len(self.particles))
         self._stretch()
@@ -45,15 +46,22 @@ class ParallelepipedMapping(Mapping):
     @property
     def vertices(self) -> Vertices:
         """The corners of all domains as they are now; corner c of particle p is vertex p * 2^dim + c."""
+        if self._seen is not None:
+            return self._seen
         p, dim = self.particles, self._grid.dim
         n, count = len(p), 2**dim
         first = (p.position0[:, None] + signs(dim) @ self._edges0).reshape(-1, 3)
         connectivity = np.arange(n * count, dtype=np.int32).reshape(n, count)
         found = Vertices(first, connectivity, np.full(n, KIND_OF_DIM[dim - 1]), kept=False)
-        self.team.split(len(p), lambda a, b: corners_of(a, b, dim, p.position, self._edges, found.position))
+        self.team.split(
+            n,
+            lambda a, b: parallelepipeds(a, b, dim, p.position, self._edges, found.position, found.weights),
+        )
+        self._seen = found
         return found
 
     def before(self) -> None:
+        self._seen = None
         x = self.particles.position
         lost, low, high = self._slabs.survey(x, *self._bounds)
         if lost >= 0:
@@ -68,6 +76,7 @@ class ParallelepipedMapping(Mapping):
 
     def _stretch(self) -> None:
         """Let the edges follow F, and make slabs as thick as the longest asks for."""
+        self._seen = None
         F, grid = self.particles.deformation_gradient, self._grid
         pieces = self.team.pieces(len(F))
         far = np.zeros((len(pieces), 3))

@@ -50,7 +50,6 @@ class PointSlabs(Slabs):
 
     def resize(self, count: int) -> None:
         """Make room for another number of points."""
-        self._count = count
         self._key_room, self._order_room = room(self._key_room, count), room(self._order_room, count)
         self._key, self.order = self._key_room[:count], self._order_room[:count]
 

@@ -35,19 +35,6 @@ def set_out(start, stop, ny, nz, first, last, nodes, velocity, trip):
 
 
 @kernel
-def divide_by_mass(start, stop, ny, nz, first, last, trip):
-    """Velocities from momenta; a node without mass is at rest."""
-    for i in range(start, stop):
-        for j in range(first[1], last[1]):
-            row = (i * ny + j) * nz
-            for n in range(row + first[2], row + last[2]):
-                m = trip[8 * n + 3]
-                inverse = 1.0 / m if m > 0.0 else 0.0
-                for a in range(8 * n, 8 * n + 3):
-                    trip[a] = inverse * trip[a] if m > 0.0 else 0.0
-
-
-@kernel
 def lessen(start, stop, ny, nz, first, last, returned, term):
     """(1 - S+ S) v from v and S+ S v, (records, 3)."""
     for i in range(start, stop):

@@ -55,13 +55,6 @@ def solve(nodes, start, stop, ny, nz, first, last, dt, mass_damping, local_dampi
 
 
 @kernel
-def solve_extra(nodes, start, stop, dt, mass_damping, local_damping):
-    """``solve`` for records start:stop, nodes that are no part of the grid."""
-    for n in range(start, stop):
-        _move(nodes, 8 * n, dt, mass_damping, local_damping)
-
-
-@kernel
 def constrain(nodes, index, points, normal, before, after, flip, reaction):
     """Set the velocity along ``normal`` at the listed nodes to ``before`` and ``after`` the step.
 

@@ -54,31 +54,20 @@ def _corners(p, dim, position, r, corner, weights):
 
 
 @kernel
-def parallelepipeds(start, stop, index, first, dim, position, edges, x, weights):
-    """Corners and weights of parallelepipeds start:stop of a method that keeps them.
+def parallelepipeds(start, stop, dim, position, edges, x, weights):
+    """Corners of parallelepipeds start:stop: corner c of the p-th is x[p * 2^dim + c].
 
-    The q-th, with position[q] and edges[q], belongs to particle index[q]; its corner c is vertex
-    first + q * 2^dim + c.
+    ``weights`` (n, 2^dim, 4) takes R and G; an empty one takes none.
     """
     count, places, own = 2**dim, np.empty(24), np.empty(32)
-    for q in range(start, stop):
-        _corners(q, dim, position, edges, places, own)
-        for c in range(count):
-            for a in range(3):
-                x[first + q * count + c, a] = places[3 * c + a]
-            for a in range(4):
-                weights[index[q], c, a] = own[4 * c + a]
-
-
-@kernel
-def corners_of(start, stop, dim, position, edges, x):
-    """Corners of parallelepipeds start:stop; corner c of the p-th is x[p * 2^dim + c]."""
-    count, places, weights = 2**dim, np.empty(24), np.empty(32)
     for p in range(start, stop):
-        _corners(p, dim, position, edges, places, weights)
+        _corners(p, dim, position, edges, places, own)
         for c in range(count):
             for a in range(3):
                 x[p * count + c, a] = places[3 * c + a]
+            if weights.shape[0] > 0:
+                for a in range(4):
+                    weights[p, c, a] = own[4 * c + a]
 
 
 @kernel
